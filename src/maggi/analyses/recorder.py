@@ -1,0 +1,89 @@
+"""What a transient run hands over, row by row, and the protocol of whatever keeps it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyLayout:
+    """One body as the results describe it.
+
+    kind: ``rigid``, ``mesh`` or ``ritz``. attachments: their names, in order. For a mesh body `nodes` (n, 3)
+    body frame, `cells` by type (n_cells, nodes per cell) and `node_rotations` tells a beam mesh. For a Ritz
+    body `modes` is the number of its coordinates.
+    """
+
+    name: str
+    kind: str
+    attachments: tuple[str, ...]
+    nodes: Array | None = None
+    cells: dict[str, IntArray] | None = None
+    modes: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """The shape of every row of a run, and what the result file says about it once."""
+
+    bodies: tuple[BodyLayout, ...]
+    joints: tuple[str, ...]
+    rows: int
+    attributes: dict[str, str | float | int]
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """The state at one output time, global components unless said otherwise.
+
+    Per body (n_bodies first): origin (b, 3), rotation (b, 3, 3) body to global. Per attachment, in the order
+    of the layout, body by body: position (a, 3), attachment_rotation (a, 3, 3), velocity (a, 3),
+    angular_velocity (a, 3). displacement: for each mesh body nodal displacements (n_nodes, 3), body frame;
+    modal: for each Ritz body its coordinates (modes,). Per joint (drivers included): force (j, 3), torque
+    (j, 3), coordinate (j,). energy: kinetic, strain, gravity, dissipated, work (J). residuals: position,
+    velocity, acceleration, scaled. iterations: back-substitutions or Newton iterations of the last step.
+    """
+
+    time: float
+    origin: Array
+    rotation: Array
+    position: Array
+    attachment_rotation: Array
+    velocity: Array
+    angular_velocity: Array
+    displacement: tuple[Array, ...]
+    modal: tuple[Array, ...]
+    force: Array
+    torque: Array
+    coordinate: Array
+    energy: Array
+    residuals: Array
+    iterations: int
+
+
+class Recorder(Protocol):
+    """Keeps the rows of a run. `write` is called in order of time; `end` always, also after a failure."""
+
+    def begin(self, layout: Layout) -> None: ...
+
+    def write(self, row: Row) -> None: ...
+
+    def end(self, status: str) -> None:
+        """status: ``complete``, ``failed: <why>`` or ``interrupted``."""
+
+
+class Progress(Protocol):
+    """Told how far a run is."""
+
+    def stage(self, text: str) -> None:
+        """A new stage of the work, such as "factorising rod (30,123 freedoms)"."""
+
+    def advance(self, step: int, steps: int, time: float, note: str) -> None:
+        """Step `step` of `steps` is done, at `time` (s); called a few times a second."""

@@ -1,0 +1,55 @@
+"""The one exception for a user's mistake, whatever part of the program notices it."""
+
+from __future__ import annotations
+
+
+class ModelError(ValueError):
+    """A mistake in what the user gave: a model, a mesh, an expression, an option.
+
+    Every part of the program raises this class (or a subclass) for a user's mistake and never
+    for its own; the command line prints it without a traceback and ends with status 2.
+
+    Parameters
+    ----------
+    message : what is wrong, with the value that was found.
+    path : where in the model, as dotted keys (``"bodies.arm.mesh.file"``); the model-file reader
+        turns it into a line and a column.
+    remedy : what the user can do about it, one sentence.
+    file, line, column : the place in a file, where known (1-based; 0 means unknown).
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        path: str = "",
+        remedy: str = "",
+        file: str = "",
+        line: int = 0,
+        column: int = 0,
+    ) -> None:
+        super().__init__(message)
+        self.message = message
+        self.path = path
+        self.remedy = remedy
+        self.file = file
+        self.line = line
+        self.column = column
+
+    def __str__(self) -> str:
+        place = self.file
+        if self.line:
+            place += f":{self.line}"
+            if self.column:
+                place += f":{self.column}"
+        parts = [part for part in (place, self.path, self.message) if part]
+        text = ": ".join(parts)
+        return f"{text} ({self.remedy})" if self.remedy else text
+
+
+class MeshError(ModelError):
+    """A mesh file or mesh that cannot be used; names the cell, node or set."""
+
+
+class SimulationError(RuntimeError):
+    """A run that failed: where (time, body or joint), why, and what to try. Exit status 1."""

@@ -1,0 +1,17 @@
+"""Functions of time as postfix programs: data, so that a model file cannot run code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class TimeFunction:
+    """A function of time, compiled to postfix form; evaluated with its two derivatives by `linalg.jets`.
+
+    codes[i] is an operation (see `model.expression`), values[i] its constant where it has one.
+    """
+
+    text: str
+    codes: tuple[int, ...]
+    values: tuple[float, ...]
