@@ -35,6 +35,7 @@ class Layout:
 
     bodies: tuple[BodyLayout, ...]
     joints: tuple[str, ...]
+    coordinates: tuple[int, ...]  # number of coordinates of each joint: 0 weld, 1 revolute, 2 cylindrical, …
     rows: int
     attributes: dict[str, str | float | int]
 
@@ -47,7 +48,7 @@ class Row:
     of the layout, body by body: position (a, 3), attachment_rotation (a, 3, 3), velocity (a, 3),
     angular_velocity (a, 3). displacement: for each mesh body nodal displacements (n_nodes, 3), body frame;
     modal: for each Ritz body its coordinates (modes,). Per joint (drivers included): force (j, 3), torque
-    (j, 3), coordinate (j,). energy: kinetic, strain, gravity, dissipated, work (J). residuals: position,
+    (j, 3), and coordinate: one array (k,) per joint, k as in the layout. energy: kinetic, strain, gravity, dissipated, work (J). residuals: position,
     velocity, acceleration, scaled. iterations: back-substitutions or Newton iterations of the last step.
     """
 
@@ -62,7 +63,7 @@ class Row:
     modal: tuple[Array, ...]
     force: Array
     torque: Array
-    coordinate: Array
+    coordinate: tuple[Array, ...]
     energy: Array
     residuals: Array
     iterations: int
