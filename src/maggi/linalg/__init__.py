@@ -1,1 +1,1 @@
-"""TODO."""
+"""Rotations and rigid motions, and sparse factorisation behind one small protocol."""
