@@ -1,0 +1,340 @@
+"""Compiled kinematics of attachments and unconstrained terms of rigid and Ritz bodies (Eq. T2, T3, T5a)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from maggi.linalg.rotations import exp_so3, left_tangent_rates, left_tangent
+
+from .tables import RIGID, RITZ, Array, AttachmentState, BodyTable, MotionState
+
+
+@njit(cache=True)
+def attachment_motion(table: BodyTable, state: MotionState, out: AttachmentState) -> None:
+    """Position, rotation, velocities and accelerations of every attachment, exactly (Theory §3).
+
+    A point at X + d turned by exp(θ~) in the body, (d, θ) = Ψ e:
+    p = r + R(X + d),  velocity R(v + ω × c + ḋ),  angular velocity R(ω + T_l(θ) θ̇), and their rates.
+    """
+    d = np.zeros(18)
+    w = np.zeros(3)
+    wdot = np.zeros(3)
+    relative = np.empty((3, 3))
+    for a in range(table.attachment_body.shape[0]):
+        b = table.attachment_body[a]
+        o = table.offset[b]
+        n = table.offset[b + 1] - o - 6
+        R = state.rotation[b]
+        X = table.attachment_point[a]
+        v = state.v[o : o + 6]
+        z = state.vd[o : o + 6]
+        c0, c1, c2 = X[0], X[1], X[2]
+        # velocity and acceleration of the point in body axes; a_O = v̇ + ω × v
+        o0, o1, o2 = v[3], v[4], v[5]
+        e0, e1, e2 = z[3], z[4], z[5]
+        u0 = u1 = u2 = 0.0
+        q0 = q1 = q2 = 0.0
+        l0 = l1 = l2 = 0.0
+        m0 = m1 = m2 = 0.0
+        if n > 0:
+            p = table.psi_offset[a]
+            for i in range(6):
+                x = 0.0
+                xd = 0.0
+                xdd = 0.0
+                for j in range(n):
+                    s = table.psi[p + i * n + j]
+                    if s != 0.0:
+                        x += s * state.e[o + 6 + j]
+                        xd += s * state.v[o + 6 + j]
+                        xdd += s * state.vd[o + 6 + j]
+                d[i] = x
+                d[6 + i] = xd
+                d[12 + i] = xdd
+            c0 += d[0]
+            c1 += d[1]
+            c2 += d[2]
+            u0, u1, u2 = d[6], d[7], d[8]
+            q0, q1, q2 = d[12], d[13], d[14]
+            left_tangent_rates(d[3:6], d[9:12], d[15:18], w, wdot)
+            l0, l1, l2 = w[0], w[1], w[2]
+            # rate of R w: R(ẇ + ω × w)
+            m0 = wdot[0] + o1 * w[2] - o2 * w[1]
+            m1 = wdot[1] + o2 * w[0] - o0 * w[2]
+            m2 = wdot[2] + o0 * w[1] - o1 * w[0]
+            exp_so3(d[3:6], relative)
+            left_tangent(d[3:6], out.tangent[a])
+            for i in range(3):
+                for j in range(3):
+                    out.rotation[a, i, j] = (
+                        R[i, 0] * relative[0, j] + R[i, 1] * relative[1, j] + R[i, 2] * relative[2, j]
+                    )
+        else:
+            for i in range(3):
+                for j in range(3):
+                    out.rotation[a, i, j] = R[i, j]
+        out.arm[a, 0] = c0
+        out.arm[a, 1] = c1
+        out.arm[a, 2] = c2
+        # ω × c
+        x0 = o1 * c2 - o2 * c1
+        x1 = o2 * c0 - o0 * c2
+        x2 = o0 * c1 - o1 * c0
+        b0 = v[0] + x0 + u0
+        b1 = v[1] + x1 + u1
+        b2 = v[2] + x2 + u2
+        # a_O + ε × c + ω × (ω × c) + 2 ω × ḋ + d̈, with ω × (v + ω × c + ḋ) + ω × ḋ collected
+        y0 = v[0] + x0 + 2.0 * u0
+        y1 = v[1] + x1 + 2.0 * u1
+        y2 = v[2] + x2 + 2.0 * u2
+        a0 = z[0] + e1 * c2 - e2 * c1 + o1 * y2 - o2 * y1 + q0
+        a1 = z[1] + e2 * c0 - e0 * c2 + o2 * y0 - o0 * y2 + q1
+        a2 = z[2] + e0 * c1 - e1 * c0 + o0 * y1 - o1 * y0 + q2
+        for i in range(3):
+            r0, r1, r2 = R[i, 0], R[i, 1], R[i, 2]
+            out.position[a, i] = state.origin[b, i] + r0 * c0 + r1 * c1 + r2 * c2
+            out.velocity[a, i] = r0 * b0 + r1 * b1 + r2 * b2
+            out.acceleration[a, i] = r0 * a0 + r1 * a1 + r2 * a2
+            out.angular_velocity[a, i] = r0 * (o0 + l0) + r1 * (o1 + l1) + r2 * (o2 + l2)
+            out.angular_acceleration[a, i] = r0 * (e0 + m0) + r1 * (e1 + m1) + r2 * (e2 + m2)
+
+
+@njit(cache=True)
+def generalised_force(
+    table: BodyTable,
+    state: MotionState,
+    attachments: AttachmentState,
+    a: int,
+    f0: float,
+    f1: float,
+    f2: float,
+    m0: float,
+    m1: float,
+    m2: float,
+    out: Array,
+) -> None:
+    """Add Jᵀ(f, m) to `out` (6 + n_e): a global force and moment at attachment a in its body's small coordinates.
+
+    The same map turns a liaison row's coefficients on an attachment's twist into its coefficients on the
+    body's velocities, since J takes those velocities to the twist (Eq. T7).
+    """
+    b = table.attachment_body[a]
+    n = table.offset[b + 1] - table.offset[b] - 6
+    R = state.rotation[b]
+    c = attachments.arm[a]
+    b0 = R[0, 0] * f0 + R[1, 0] * f1 + R[2, 0] * f2
+    b1 = R[0, 1] * f0 + R[1, 1] * f1 + R[2, 1] * f2
+    b2 = R[0, 2] * f0 + R[1, 2] * f1 + R[2, 2] * f2
+    t0 = R[0, 0] * m0 + R[1, 0] * m1 + R[2, 0] * m2
+    t1 = R[0, 1] * m0 + R[1, 1] * m1 + R[2, 1] * m2
+    t2 = R[0, 2] * m0 + R[1, 2] * m1 + R[2, 2] * m2
+    out[0] += b0
+    out[1] += b1
+    out[2] += b2
+    out[3] += c[1] * b2 - c[2] * b1 + t0
+    out[4] += c[2] * b0 - c[0] * b2 + t1
+    out[5] += c[0] * b1 - c[1] * b0 + t2
+    if n > 0:
+        T = attachments.tangent[a]
+        s0 = T[0, 0] * t0 + T[1, 0] * t1 + T[2, 0] * t2
+        s1 = T[0, 1] * t0 + T[1, 1] * t1 + T[2, 1] * t2
+        s2 = T[0, 2] * t0 + T[1, 2] * t1 + T[2, 2] * t2
+        p = table.psi_offset[a]
+        for j in range(n):
+            out[6 + j] += (
+                table.psi[p + j] * b0
+                + table.psi[p + n + j] * b1
+                + table.psi[p + 2 * n + j] * b2
+                + table.psi[p + 3 * n + j] * s0
+                + table.psi[p + 4 * n + j] * s1
+                + table.psi[p + 5 * n + j] * s2
+            )
+
+
+@njit(cache=True)
+def deformed_inertia(table: BodyTable, b: int, delta: Array, S: Array, J: Array) -> None:
+    """First moment S = S₀ + m_Oᵀδ and inertia J_kl = J0_kl − δᵀ(s_kl + s_lk) − δᵀH_klδ about the origin (Eq. T5a)."""
+    n = delta.shape[0]
+    for k in range(3):
+        S[k] = table.S0[b, k]
+        for l in range(3):
+            J[k, l] = table.J0[b, k, l]
+    if n == 0:
+        return
+    c = table.ritz[b]
+    q = table.ritz_square[b]
+    m_O = table.m_O[3 * c : 3 * (c + n)].reshape(n, 3)
+    s2 = table.s2[9 * c : 9 * (c + n)].reshape(3, 3, n)
+    H = table.H[9 * q : 9 * (q + n * n)].reshape(3, 3, n, n)
+    for i in range(n):
+        x = delta[i]
+        for k in range(3):
+            S[k] += m_O[i, k] * x
+            for l in range(3):
+                y = s2[k, l, i] + s2[l, k, i]
+                for j in range(n):
+                    y += H[k, l, i, j] * delta[j]
+                J[k, l] -= x * y
+
+
+@njit(cache=True)
+def mass_matrix(table: BodyTable, b: int, delta: Array, out: Array) -> None:
+    """The (6 + n)² mass matrix of a rigid or Ritz body on (v, ω, δ̇), about its current shape (Eq. T5a)."""
+    n = delta.shape[0]
+    S = np.empty(3)
+    J = np.empty((3, 3))
+    deformed_inertia(table, b, delta, S, J)
+    out[:, :] = 0.0
+    for k in range(3):
+        out[k, k] = table.mass[b]
+        for l in range(3):
+            out[3 + k, 3 + l] = J[k, l]
+    # m v̇ + ε × S
+    out[0, 4] = S[2]
+    out[0, 5] = -S[1]
+    out[1, 3] = -S[2]
+    out[1, 5] = S[0]
+    out[2, 3] = S[1]
+    out[2, 4] = -S[0]
+    for k in range(3):
+        for l in range(3):
+            out[3 + l, k] = out[k, 3 + l]
+    if n == 0:
+        return
+    c = table.ritz[b]
+    q = table.ritz_square[b]
+    m = table.m[q : q + n * n].reshape(n, n)
+    m_O = table.m_O[3 * c : 3 * (c + n)].reshape(n, 3)
+    s = table.s[3 * c : 3 * (c + n)].reshape(3, n)
+    G = table.G[3 * q : 3 * (q + n * n)].reshape(3, n, n)
+    for i in range(n):
+        for j in range(n):
+            out[6 + i, 6 + j] = m[i, j]
+        for k in range(3):
+            out[k, 6 + i] = m_O[i, k]
+            out[6 + i, k] = m_O[i, k]
+            y = s[k, i]
+            for j in range(n):
+                y += G[k, i, j] * delta[j]
+            out[3 + k, 6 + i] = y
+            out[6 + i, 3 + k] = y
+
+
+@njit(cache=True)
+def inertia_residual(table: BodyTable, b: int, state: MotionState, gravity: Array, out: Array) -> None:
+    """Inertia, gravity, elastic and damping forces of a rigid or Ritz body, `out` (6 + n) (Eq. T2, T5a).
+
+    The unconstrained Maggi vector with the sign of ``M v̇ + …``: external and liaison forces are not in it.
+    """
+    o = table.offset[b]
+    n = table.offset[b + 1] - o - 6
+    R = state.rotation[b]
+    v = state.v[o : o + 6]
+    z = state.vd[o : o + 6]
+    w = v[3:6]
+    eps = z[3:6]
+    a = np.empty(3)
+    # a_O − Rᵀg: gravity enters as an acceleration of the frame
+    a[0] = z[0] + w[1] * v[2] - w[2] * v[1]
+    a[1] = z[1] + w[2] * v[0] - w[0] * v[2]
+    a[2] = z[2] + w[0] * v[1] - w[1] * v[0]
+    for k in range(3):
+        a[k] -= R[0, k] * gravity[0] + R[1, k] * gravity[1] + R[2, k] * gravity[2]
+    S = np.empty(3)
+    J = np.empty((3, 3))
+    delta = state.e[o + 6 : o + 6 + n]
+    deformed_inertia(table, b, delta, S, J)
+    mass = table.mass[b]
+    # force: m a_O + ε × S + ω × (ω × S)
+    y0 = w[1] * S[2] - w[2] * S[1]
+    y1 = w[2] * S[0] - w[0] * S[2]
+    y2 = w[0] * S[1] - w[1] * S[0]
+    out[0] = mass * a[0] + eps[1] * S[2] - eps[2] * S[1] + w[1] * y2 - w[2] * y1
+    out[1] = mass * a[1] + eps[2] * S[0] - eps[0] * S[2] + w[2] * y0 - w[0] * y2
+    out[2] = mass * a[2] + eps[0] * S[1] - eps[1] * S[0] + w[0] * y1 - w[1] * y0
+    # moment: S × a_O + J ε + ω × J ω
+    h0 = J[0, 0] * w[0] + J[0, 1] * w[1] + J[0, 2] * w[2]
+    h1 = J[1, 0] * w[0] + J[1, 1] * w[1] + J[1, 2] * w[2]
+    h2 = J[2, 0] * w[0] + J[2, 1] * w[1] + J[2, 2] * w[2]
+    out[3] = S[1] * a[2] - S[2] * a[1] + w[1] * h2 - w[2] * h1
+    out[4] = S[2] * a[0] - S[0] * a[2] + w[2] * h0 - w[0] * h2
+    out[5] = S[0] * a[1] - S[1] * a[0] + w[0] * h1 - w[1] * h0
+    for k in range(3):
+        out[3 + k] += J[k, 0] * eps[0] + J[k, 1] * eps[1] + J[k, 2] * eps[2]
+    if n == 0:
+        return
+    c = table.ritz[b]
+    q = table.ritz_square[b]
+    m = table.m[q : q + n * n].reshape(n, n)
+    stiffness = table.k[q : q + n * n].reshape(n, n)
+    D = table.D[q : q + n * n].reshape(n, n)
+    m_O = table.m_O[3 * c : 3 * (c + n)].reshape(n, 3)
+    s = table.s[3 * c : 3 * (c + n)].reshape(3, n)
+    s2 = table.s2[9 * c : 9 * (c + n)].reshape(3, 3, n)
+    G = table.G[3 * q : 3 * (q + n * n)].reshape(3, n, n)
+    H = table.H[9 * q : 9 * (q + n * n)].reshape(3, 3, n, n)
+    rate = state.v[o + 6 : o + 6 + n]
+    acceleration = state.vd[o + 6 : o + 6 + n]
+    pd = np.zeros(3)
+    for i in range(n):
+        # frame: 2 ω × m_Oᵀδ̇ + m_Oᵀδ̈ and (s_k + G_kδ)·δ̈ − 2 Σ_l ω_l (s_lk + H_lkδ)·δ̇
+        for k in range(3):
+            pd[k] += m_O[i, k] * rate[i]
+            out[k] += m_O[i, k] * acceleration[i]
+            y = s[k, i]
+            x = 0.0
+            for l in range(3):
+                x += w[l] * s2[l, k, i]
+            for j in range(n):
+                y += G[k, i, j] * delta[j]
+                for l in range(3):
+                    x += w[l] * H[l, k, i, j] * delta[j]
+            out[3 + k] += y * acceleration[i] - 2.0 * x * rate[i]
+    out[0] += 2.0 * (w[1] * pd[2] - w[2] * pd[1])
+    out[1] += 2.0 * (w[2] * pd[0] - w[0] * pd[2])
+    out[2] += 2.0 * (w[0] * pd[1] - w[1] * pd[0])
+    for i in range(n):
+        y = 0.0
+        for k in range(3):
+            y += m_O[i, k] * a[k] + eps[k] * s[k, i]
+            for l in range(3):
+                y += w[k] * w[l] * s2[k, l, i]
+        for j in range(n):
+            y += m[i, j] * acceleration[j] + stiffness[i, j] * delta[j] + D[i, j] * rate[j]
+            for k in range(3):
+                y += G[k, i, j] * (2.0 * w[k] * rate[j] + eps[k] * delta[j])
+                for l in range(3):
+                    y += w[k] * w[l] * H[k, l, i, j] * delta[j]
+        out[6 + i] = y
+
+
+@njit(cache=True)
+def small_body_energy(table: BodyTable, state: MotionState, gravity: Array, out: Array) -> None:
+    """Add kinetic, strain and gravity energy (J) and dissipated power (W) of rigid and Ritz bodies to out (4,)."""
+    for b in range(table.kind.shape[0]):
+        if table.kind[b] != RIGID and table.kind[b] != RITZ:
+            continue
+        o = table.offset[b]
+        size = table.offset[b + 1] - o
+        n = size - 6
+        delta = state.e[o + 6 : o + size]
+        M = np.empty((size, size))
+        mass_matrix(table, b, delta, M)
+        v = state.v[o : o + size]
+        for i in range(size):
+            for j in range(size):
+                out[0] += 0.5 * v[i] * M[i, j] * v[j]
+        S = np.empty(3)
+        J = np.empty((3, 3))
+        deformed_inertia(table, b, delta, S, J)
+        R = state.rotation[b]
+        for k in range(3):
+            x = table.mass[b] * state.origin[b, k] + R[k, 0] * S[0] + R[k, 1] * S[1] + R[k, 2] * S[2]
+            out[2] -= gravity[k] * x
+        if n > 0:
+            q = table.ritz_square[b]
+            for i in range(n):
+                for j in range(n):
+                    out[1] += 0.5 * delta[i] * table.k[q + i * n + j] * delta[j]
+                    out[3] += v[6 + i] * table.D[q + i * n + j] * v[6 + j]
