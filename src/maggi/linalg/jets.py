@@ -15,9 +15,10 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import carray, njit, types
+from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
+from numba.np.numpy_support import carray
 from numpy.typing import ArrayLike, NDArray
 
 from ..model.errors import ModelError
@@ -50,18 +51,20 @@ _ABS = int(Operation.ABS)
 _SMOOTHSTEP = int(Operation.SMOOTHSTEP)
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def _machine_stack(typing_context: Any) -> Any:
+def _reserve(typing_context: Any) -> Any:
     """Room for MAX_STACK jets on the machine's stack: an array made inside a kernel would cost an allocation."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return cgutils.alloca_once(builder, context.get_value_type(types.float64), size=3 * MAX_STACK)
+        return cgutils.alloca_once(builder, context.get_value_type(types.float64), size=3 * MAX_STACK)  # type: ignore[no-untyped-call]
 
-    return types.CPointer(types.float64)(), generate
+    return types.CPointer(types.float64)(), generate  # type: ignore[no-untyped-call]
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _power(u, du, ddu, g, dg, ddg):  # type: ignore[no-untyped-def]
+_machine_stack: Any = intrinsic(_reserve)
+
+
+@njit(cache=True, error_model="numpy")
+def _power(u: float, du: float, ddu: float, g: float, dg: float, ddg: float) -> tuple[float, float, float]:
     """Jet of u**g; for a moving exponent u must be positive."""
     value = u**g
     if dg == 0.0 and ddg == 0.0:
@@ -81,8 +84,8 @@ def _power(u, du, ddu, g, dg, ddg):  # type: ignore[no-untyped-def]
     return value, value * slope, value * (bend + slope * slope)
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _outer(code, u):  # type: ignore[no-untyped-def]
+@njit(cache=True, error_model="numpy")
+def _outer(code: int, u: float) -> tuple[float, float, float]:
     """A function of one argument with its first two derivatives there: (h, h′, h″)."""
     if code == _SIN:
         s, c = math.sin(u), math.cos(u)
@@ -128,16 +131,16 @@ def _outer(code, u):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _later_sign(u, du, ddu):  # type: ignore[no-untyped-def]
+@njit(cache=True, error_model="numpy")
+def _later_sign(u: float, du: float, ddu: float) -> float:
     """Sign of a jet just after now: of the first of its entries that is not zero."""
     if u != 0.0:
         return u
     return du if du != 0.0 else ddu
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def evaluate(codes, values, t, out):  # type: ignore[no-untyped-def]
+@njit(cache=True, error_model="numpy")
+def evaluate(codes: NDArray[np.int64], values: Array, t: float, out: Array) -> bool:
     """Writes ``out[0:3] = f(t), ḟ(t), f̈(t)`` of a postfix program; returns whether all three are finite.
 
     codes (n,) integers and values (n,) floats as in `TimeFunction` (see `program`); out (3,) or longer. Units:
@@ -221,8 +224,8 @@ def evaluate(codes, values, t, out):  # type: ignore[no-untyped-def]
     return math.isfinite(out[0]) and math.isfinite(out[1]) and math.isfinite(out[2])
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _evaluate_many(codes, values, times, out):  # type: ignore[no-untyped-def]
+@njit(cache=True, error_model="numpy")
+def _evaluate_many(codes: NDArray[np.int64], values: Array, times: Array, out: Array) -> None:
     for i in range(times.size):
         evaluate(codes, values, times[i], out[i])
 

@@ -14,6 +14,7 @@ from .functions import TimeFunction
 from .geometry import Matrix, Pose, Vector, Velocity
 from .materials import Material
 from .meshes import MeshSource
+from .shapes import RitzIntegrals
 
 Array = NDArray[np.float64]
 NO_ATTACHMENTS: Mapping[str, Attachment] = MappingProxyType({})
@@ -97,12 +98,13 @@ class RitzTerms:
 class RitzBody:
     """The paper's general element as a body: any shape functions N(x), which carry their reference conditions.
 
-    terms : the constants, given directly or integrated by `elements.ritz`.
+    terms : the constants, given directly, or what `elements.ritz` needs to integrate them.
     shapes : N(x) as a function of points (p, 3) to (p, 3, n), used for the attachments' displacement.
     rotations : rotation of the material at points, (p, 3) to (p, 3, n); None means none (no section rotation).
+    initial : coordinates (n) and their rates (n, 1/s) at t = 0; None means all zero.
     """
 
-    terms: RitzTerms
+    terms: RitzTerms | RitzIntegrals
     shapes: Callable[[Array], Array]
     rotations: Callable[[Array], Array] | None = None
     initial: tuple[tuple[float, ...], tuple[float, ...]] | None = None

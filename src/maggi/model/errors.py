@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 
 class ModelError(ValueError):
     """A mistake in what the user gave: a model, a mesh, an expression, an option.
@@ -45,6 +47,28 @@ class ModelError(ValueError):
         parts = [part for part in (place, self.path, self.message) if part]
         text = ": ".join(parts)
         return f"{text} ({self.remedy})" if self.remedy else text
+
+
+class ModelErrors(ModelError):
+    """Several mistakes found in one pass, in the order of the file; message and place are those of the first.
+
+    errors : the single mistakes, never empty.
+    """
+
+    def __init__(self, errors: Sequence[ModelError]) -> None:
+        first = errors[0]
+        super().__init__(
+            first.message,
+            path=first.path,
+            remedy=first.remedy,
+            file=first.file,
+            line=first.line,
+            column=first.column,
+        )
+        self.errors = tuple(errors)
+
+    def __str__(self) -> str:
+        return "\n".join(str(error) for error in self.errors)
 
 
 class MeshError(ModelError):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 class TimeFunction:
     """A function of time, compiled to postfix form; evaluated with its two derivatives by `linalg.jets`.
 
-    codes[i] is an operation (see `model.expression`), values[i] its constant where it has one.
+    codes[i] is an operation (see `model.operations`), values[i] its constant where it has one.
     """
 
     text: str

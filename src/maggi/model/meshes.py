@@ -51,9 +51,7 @@ class Section:
     def rectangle(y: float, z: float) -> Section:
         """Solid rectangle of width `y` and height `z`; shear factors 5/6, torsion by Saint-Venant's series."""
         long, short = max(y, z), min(y, z)
-        series = sum(
-            math.tanh(n * math.pi * long / (2.0 * short)) / n**5 for n in range(1, 40, 2)
-        )
+        series = sum(math.tanh(n * math.pi * long / (2.0 * short)) / n**5 for n in range(1, 40, 2))
         torsion = long * short**3 * (1.0 - 192.0 * short / (math.pi**5 * long) * series) / 3.0
         return Section(y * z, y * z**3 / 12.0, z * y**3 / 12.0, torsion, 5.0 / 6.0, 5.0 / 6.0)
 
