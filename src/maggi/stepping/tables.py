@@ -1,0 +1,80 @@
+"""Everything a compiled step reads and writes, as named tuples of arrays."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from maggi.bodies.motions import MotionTable
+from maggi.bodies.tables import Array, AttachmentState, BodyTable, IntArray, MotionState
+from maggi.forces.tables import ForceTable
+from maggi.liaisons.tables import LiaisonState, LiaisonTable
+
+
+class SmallSystem(NamedTuple):
+    """The constants of the small system: all rigid and Ritz bodies, all attachments, all liaisons and forces."""
+
+    bodies: BodyTable
+    motions: MotionTable
+    liaisons: LiaisonTable
+    forces: ForceTable
+
+
+class StepState(NamedTuple):
+    """The state of a run, advanced in place. n small coordinates, r rows.
+
+    now, next: motions at the beginning and at the end of the step. a, a_next, a_previous (n,): algorithmic
+    accelerations. increment (n,): Δq of the step. multipliers, multipliers_previous (r,): λ (Eq. T11).
+    attachments, rows: kinematics and liaison rows of `next`. applied (n,): forces Aᵀλ − Q in small coordinates.
+    work (3,): work of drivers, loads and prescribed frames (J); energy dissipated by dampers (J); free.
+    power (3,): their present rates and the energy stored in springs (J).
+    scales (4,): mechanism's size (m), speed (m/s), acceleration (m/s²), and elastic reach (unused slots 0).
+    elastic (n, 2): the largest |e| and |ë| so far. contraction (2,): of the iteration; steps since last measured.
+    """
+
+    now: MotionState
+    next: MotionState
+    a: Array
+    a_next: Array
+    a_previous: Array
+    increment: Array
+    multipliers: Array
+    multipliers_next: Array
+    multipliers_previous: Array
+    attachments: AttachmentState
+    rows: LiaisonState
+    applied: Array
+    work: Array
+    power: Array
+    scales: Array
+    elastic: Array
+    contraction: Array
+
+
+class StepWork(NamedTuple):
+    """Scratch arrays of the step. W (flat blocks): compliances Ŝ⁻¹ of bodies on their small coordinates.
+
+    W_Z, W_D (flat blocks): B̂ᵀŜ⁻¹KŜ⁻¹B̂ of mesh bodies and the same with D. L (skyline), pivot, scale (r,).
+    base (n,): mesh bodies: frame residual, and the free elastic increments. accounted (n,): liaison forces that
+    mesh bodies' increments already contain. position_force, velocity_force (n,): accumulated Aᵀπ, Aᵀκ.
+    """
+
+    W: Array
+    W_Z: Array
+    W_D: Array
+    L: Array
+    pivot: Array
+    scale: Array
+    base: Array
+    accounted: Array
+    position_force: Array
+    velocity_force: Array
+    residual: Array
+    loads: Array
+    delta: Array
+    shift: Array
+    rate_shift: Array
+    vector: Array
+    pi: Array
+    kappa: Array
+    phi: Array
+    independent: IntArray
