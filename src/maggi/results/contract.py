@@ -1,0 +1,197 @@
+"""The result file's contract as data: which tables there are, their paths, shapes, units and meaning.
+
+Writers (file, memory), readers and exports all go by the columns listed here, so that the contract
+stands in one place. Paths are those of an HDF5 file without the leading slash.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import maggi
+from maggi.analyses.recorder import BodyLayout, Layout
+from maggi.model.errors import ModelError
+
+FORMAT = "maggi results"
+FORMAT_VERSION = 1
+ENERGIES = ("kinetic", "strain", "gravity", "dissipated", "work")
+RESIDUALS = ("position", "velocity", "acceleration")
+AXES = ("x", "y", "z")
+
+# Unit and description of the motion of a frame, by field of `Row`.
+_FRAME_FIELDS = {
+    "position": ("position", (3,), "m", "position of the attachment, global components"),
+    "rotation": ("attachment_rotation", (3, 3), "1", "rotation matrix of the attachment, its axes to global"),
+    "velocity": ("velocity", (3,), "m/s", "velocity of the attachment, global components"),
+    "angular_velocity": ("angular_velocity", (3,), "rad/s", "angular velocity of the attachment, global components"),
+}
+_ENERGY_TEXT = {
+    "kinetic": "kinetic energy",
+    "strain": "elastic energy of bodies and springs",
+    "gravity": "potential energy of gravity",
+    "dissipated": "energy dissipated so far, integrated from damping forces and velocities",
+    "work": "work of drivers and loads so far, integrated from forces and velocities",
+}
+
+
+@dataclass(frozen=True)
+class Column:
+    """One time-dependent table of the results: where it is, and where in a `Row` it comes from.
+
+    path : in the result file; the table is (n, *shape), n rows in time.
+    field, part : the field of `Row` and, where the field is a tuple of arrays, the place in it.
+    index : the place along the field's first axis that this column takes; None takes everything.
+    """
+
+    path: str
+    field: str
+    part: int | None
+    index: int | None
+    shape: tuple[int, ...]
+    unit: str
+    description: str
+    integer: bool = False
+
+    @property
+    def dtype(self) -> type[np.float64] | type[np.int64]:
+        """Type of the table's numbers."""
+        return np.int64 if self.integer else np.float64
+
+    @property
+    def row_bytes(self) -> int:
+        """Bytes that one row takes."""
+        return 8 * int(np.prod(self.shape, dtype=np.int64))
+
+
+@dataclass(frozen=True, eq=False)
+class Constant:
+    """A table that does not change in time, such as a mesh's nodes."""
+
+    path: str
+    values: NDArray[Any]
+    unit: str
+    description: str
+
+
+def columns(layout: Layout, quantities: tuple[str, ...]) -> tuple[Column, ...]:
+    """Every time-dependent table of a run that keeps the given `quantities` (names of `Outputs`)."""
+    listed = [Column("time", "time", None, None, (), "s", "time of the rows")]
+    if "bodies" in quantities:
+        listed += _body_columns(layout)
+    if "attachments" in quantities:
+        listed += _attachment_columns(layout)
+    if "displacement" in quantities:
+        listed += _shape_columns(layout)
+    if "joints" in quantities:
+        listed += _joint_columns(layout)
+    if "energy" in quantities:
+        listed += [
+            Column(f"energy/{name}", "energy", None, i, (), "J", _ENERGY_TEXT[name]) for i, name in enumerate(ENERGIES)
+        ]
+    if "residuals" in quantities:
+        listed += [
+            Column(
+                f"residuals/{name}", "residuals", None, i, (), "1", f"largest liaison residual at {name} level, scaled"
+            )
+            for i, name in enumerate(RESIDUALS)
+        ]
+    text = "back-substitutions or Newton iterations of the last step"
+    listed.append(Column("solver/iterations", "iterations", None, None, (), "1", text, integer=True))
+    return tuple(listed)
+
+
+def _body_columns(layout: Layout) -> Iterator[Column]:
+    for i, body in enumerate(layout.bodies):
+        at = f"bodies/{body.name}"
+        yield Column(f"{at}/origin", "origin", None, i, (3,), "m", "origin of the body frame, global components")
+        yield Column(f"{at}/rotation", "rotation", None, i, (3, 3), "1", "rotation matrix, body axes to global")
+
+
+def _attachment_columns(layout: Layout) -> Iterator[Column]:
+    names = [(body.name, attachment) for body in layout.bodies for attachment in body.attachments]
+    for i, (body_name, attachment) in enumerate(names):
+        for name, (field, shape, unit, text) in _FRAME_FIELDS.items():
+            path = f"bodies/{body_name}/attachments/{attachment}/{name}"
+            yield Column(path, field, None, i, shape, unit, text)
+
+
+def _shape_columns(layout: Layout) -> Iterator[Column]:
+    for i, body in enumerate(mesh_bodies(layout)):
+        assert body.nodes is not None
+        path = f"bodies/{body.name}/displacement"
+        text = "nodal displacements from the undeformed mesh, body frame"
+        yield Column(path, "displacement", i, None, (len(body.nodes), 3), "m", text)
+    for i, body in enumerate(ritz_bodies(layout)):
+        path = f"bodies/{body.name}/modal"
+        yield Column(path, "modal", i, None, (body.modes,), "m", "coordinates of the shape functions")
+
+
+def _joint_columns(layout: Layout) -> Iterator[Column]:
+    side = "exerted by first on second, global components, about the joint's point on second"
+    for i, name in enumerate(layout.joints):
+        yield Column(f"joints/{name}/force", "force", None, i, (3,), "N", f"force {side}")
+        yield Column(f"joints/{name}/torque", "torque", None, i, (3,), "N m", f"torque {side}")
+        if layout.coordinates[i]:
+            text = "coordinates of second relative to first, translation before rotation, zero initially"
+            yield Column(f"joints/{name}/coordinate", "coordinate", i, None, (layout.coordinates[i],), "m or rad", text)
+
+
+def mesh_bodies(layout: Layout) -> tuple[BodyLayout, ...]:
+    """The bodies with nodal displacements, in the order of `Row.displacement`."""
+    return tuple(body for body in layout.bodies if body.kind == "mesh")
+
+
+def ritz_bodies(layout: Layout) -> tuple[BodyLayout, ...]:
+    """The bodies with coordinates of shape functions, in the order of `Row.modal`."""
+    return tuple(body for body in layout.bodies if body.kind == "ritz")
+
+
+def constants(layout: Layout) -> tuple[Constant, ...]:
+    """Every table that does not change in time: the meshes."""
+    listed: list[Constant] = []
+    for body in layout.bodies:
+        if body.nodes is None:
+            continue
+        at = f"bodies/{body.name}/mesh"
+        listed.append(Constant(f"{at}/nodes", body.nodes, "m", "undeformed nodes, body frame"))
+        for kind, cells in (body.cells or {}).items():
+            text = f"{kind} cells: places of their nodes in mesh/nodes, from 0"
+            listed.append(Constant(f"{at}/cells/{kind}", cells, "1", text))
+    return tuple(listed)
+
+
+def head(layout: Layout, quantities: tuple[str, ...], text: str) -> dict[str, str | float | int]:
+    """The attributes of the whole: what made the results, when, from which model text; what the run adds stands too."""
+    attributes: dict[str, str | float | int] = {
+        "format": FORMAT,
+        "format_version": FORMAT_VERSION,
+        "program": "maggi",
+        "version": maggi.__version__,
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "units": "SI, radians",
+        "model": text,
+    }
+    attributes |= layout.attributes
+    attributes["model_sha256"] = hashlib.sha256(str(attributes["model"]).encode()).hexdigest()
+    return attributes | {"quantities": " ".join(quantities), "status": "running", "rows": 0}
+
+
+def check_names(layout: Layout) -> None:
+    """Refuse names that cannot stand in the path of a table.
+
+    Raises
+    ------
+    ModelError : a body's, attachment's or joint's name is empty, a dot, or holds ``/`` or a NUL.
+    """
+    named = [("bodies", body.name) for body in layout.bodies] + [("joints", name) for name in layout.joints]
+    named += [(f"bodies.{body.name}.attachments", name) for body in layout.bodies for name in body.attachments]
+    for group, name in named:
+        if not name or name == "." or "/" in name or "\0" in name:
+            raise ModelError(f"name {name!r} cannot stand in a result file", path=group, remedy="choose a plain name")
