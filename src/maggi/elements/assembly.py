@@ -42,9 +42,7 @@ class SolidMatrices:
     stiffness: sp.bsr_matrix
 
 
-def assemble_solids(
-    nodes: Array, cells: Cells, materials: Materials, labels: Labels | None = None
-) -> SolidMatrices:
+def assemble_solids(nodes: Array, cells: Cells, materials: Materials, labels: Labels | None = None) -> SolidMatrices:
     """Scalar mass and stiffness of a mesh.
 
     Parameters
@@ -106,9 +104,7 @@ def element_masses(name: str, nodes: Array, cells: NDArray[np.int64], density: A
     out = np.empty((*connectivity.shape, element.node_count))
     least = np.empty(len(connectivity))
     nodes = _checked_nodes(nodes)
-    cell_kernels.cell_masses(
-        nodes, connectivity, density, element.mass_gradients, element.mass_products, out, least
-    )
+    cell_kernels.cell_masses(nodes, connectivity, density, element.mass_gradients, element.mass_products, out, least)
     _refuse_inverted(nodes, element, connectivity, least, None)
     return out
 

@@ -48,19 +48,14 @@ def check_materials(name: str, count: int, materials: CellMaterials, labels: Lab
     Poisson's ratio lies outside (-1, 0.5), or if an array has not one entry per cell.
     """
     checks = (
-        ("density", materials.density, lambda x: x > 0.0, "give a positive density in kg/m³"),
-        ("young", materials.young, lambda x: x > 0.0, "give a positive Young's modulus in Pa"),
-        (
-            "poisson",
-            materials.poisson,
-            lambda x: (x > -1.0) & (x < 0.5),
-            "Poisson's ratio of an elastic solid lies between -1 and 0.5; take 0.499 for a nearly incompressible one",
-        ),
+        ("density", materials.density, 0.0, np.inf, "give a positive density in kg/m³"),
+        ("young", materials.young, 0.0, np.inf, "give a positive Young's modulus in Pa"),
+        ("poisson", materials.poisson, -1.0, 0.5, "Poisson's ratio of an elastic solid lies between -1 and 0.5"),
     )
-    for key, values, accept, remedy in checks:
+    for key, values, low, high, remedy in checks:
         if values.shape != (count,):
             raise ModelError(f"{key} has shape {values.shape} for {count} {name} cells", remedy="give one per cell")
-        wrong = np.flatnonzero(~(np.isfinite(values) & accept(values)))
+        wrong = np.flatnonzero(~((values > low) & (values < high)))
         if wrong.size:
             raise ModelError(
                 f"{name} cell {cell_label(name, int(wrong[0]), labels)} has {key} {values[wrong[0]]:g}", remedy=remedy

@@ -18,9 +18,7 @@ HEX_CORNERS = np.array(
     [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
     dtype=np.float64,
 )
-HEX_EDGES = np.array(
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
-)
+HEX_EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]])
 WEDGE_CORNERS = np.array([[0, 0, -1], [1, 0, -1], [0, 1, -1], [0, 0, 1], [1, 0, 1], [0, 1, 1]], dtype=np.float64)
 
 TET10_NODES = np.vstack([TET_CORNERS, TET_CORNERS[TET_EDGES].mean(axis=1)])
@@ -69,10 +67,7 @@ def hex8_gradients(points: Array) -> Array:
     """Gradients of `hex8`."""
     factors = 1.0 + points[:, None, :] * HEX_CORNERS
     return np.stack(
-        [
-            HEX_CORNERS[:, i] * factors[:, :, (i + 1) % 3] * factors[:, :, (i + 2) % 3] / 8.0
-            for i in range(3)
-        ],
+        [HEX_CORNERS[:, i] * factors[:, :, (i + 1) % 3] * factors[:, :, (i + 2) % 3] / 8.0 for i in range(3)],
         axis=2,
     )
 
