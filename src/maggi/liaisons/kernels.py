@@ -10,8 +10,19 @@ from numba import njit
 from maggi.bodies.kernels import generalised_force
 from maggi.bodies.tables import Array, AttachmentState, BodyTable, MotionState
 from maggi.linalg.jets import evaluate
+from maggi.linalg.rotations import log_so3
 
-from .tables import DRIVEN, DRIVEN_RATE, OFFSET, PRODUCT, ROTATION, LiaisonState, LiaisonTable
+from .tables import (
+    DRIVEN,
+    DRIVEN_RATE,
+    OFFSET,
+    PRODUCT,
+    ROTATION,
+    ROTATION_VECTOR,
+    TRANSLATION,
+    LiaisonState,
+    LiaisonTable,
+)
 
 
 @njit(cache=True)
@@ -45,21 +56,12 @@ def joint_coordinates(table: LiaisonTable, attachments: AttachmentState, out: Li
     for c in range(table.coordinate_joint.shape[0]):
         j = table.coordinate_joint[c]
         k = table.coordinate_axis[c]
+        kind = table.coordinate_kind[c]
         p, q = table.first[j], table.second[j]
-        _axis(attachments.rotation[p], table.first_frame[j], k, z)
+        R, S = attachments.rotation[p], attachments.rotation[q]
         w = attachments.angular_velocity
-        if table.coordinate_kind[c] == ROTATION:
-            _axis(attachments.rotation[p], table.first_frame[j], (k + 1) % 3, x)
-            _axis(attachments.rotation[q], table.second_frame[j], (k + 1) % 3, y)
-            cosine = _dot(x, y)
-            _cross(x, y, x)
-            angle = math.atan2(_dot(x, z), cosine)
-            turns = round((out.previous[c] - angle) / (2.0 * math.pi))
-            out.coordinate[c] = angle + 2.0 * math.pi * turns
-            out.rate[c] = (
-                z[0] * (w[q, 0] - w[p, 0]) + z[1] * (w[q, 1] - w[p, 1]) + z[2] * (w[q, 2] - w[p, 2])
-            )
-        else:
+        if kind == TRANSLATION:
+            _axis(R, table.first_frame[j], k, z)
             for i in range(3):
                 x[i] = attachments.position[q, i] - attachments.position[p, i]
                 y[i] = attachments.velocity[q, i] - attachments.velocity[p, i]
@@ -67,6 +69,33 @@ def joint_coordinates(table: LiaisonTable, attachments: AttachmentState, out: Li
             out.rate[c] = _dot(y, z)
             _cross(w[p], z, z)
             out.rate[c] += _dot(x, z)
+            continue
+        if kind == ROTATION_VECTOR:
+            relative = np.empty((3, 3))
+            for i in range(3):
+                _axis(R, table.first_frame[j], i, x)
+                for l in range(3):
+                    _axis(S, table.second_frame[j], l, y)
+                    relative[i, l] = _dot(x, y)
+            log_so3(relative, y)
+            _axis(R, table.first_frame[j], k, z)
+            out.coordinate[c] = y[k]
+        else:
+            # the angle about z between an axis of the first and the same axis of the second, both normal to z
+            if kind == ROTATION:
+                _axis(R, table.first_frame[j], k, z)
+                other = (k + 1) % 3
+            else:
+                _axis(S, table.second_frame[j], k, z)
+                other = (k + 2) % 3
+            _axis(R, table.first_frame[j], other, x)
+            _axis(S, table.second_frame[j], other, y)
+            cosine = _dot(x, y)
+            _cross(x, y, x)
+            angle = math.atan2(_dot(x, z), cosine)
+            turns = round((out.previous[c] - angle) / (2.0 * math.pi))
+            out.coordinate[c] = angle + 2.0 * math.pi * turns
+        out.rate[c] = z[0] * (w[q, 0] - w[p, 0]) + z[1] * (w[q, 1] - w[p, 1]) + z[2] * (w[q, 2] - w[p, 2])
 
 
 @njit(cache=True)

@@ -14,8 +14,9 @@ IntArray = NDArray[np.int64]
 # with axis l of the second; a coordinate as a function of time; a coordinate's rate as a function of time.
 OFFSET, PRODUCT, DRIVEN, DRIVEN_RATE = 0, 1, 2, 3
 
-# Kinds of coordinates.
-TRANSLATION, ROTATION = 0, 1
+# Kinds of coordinates: translation along an axis of the first end; rotation about an axis of the first, or of
+# the second end (universal joint); a component of the rotation vector (spherical joint).
+TRANSLATION, ROTATION, ROTATION_SECOND, ROTATION_VECTOR = 0, 1, 2, 3
 
 
 class LiaisonTable(NamedTuple):

@@ -34,15 +34,16 @@ STALLED = 1e-10  # accepted where round-off lets them fall no further
 
 
 @njit(cache=True)
-def compliances(bodies: BodyTable, state: MotionState, c: GeneralizedAlpha, floor: Array, W: Array) -> None:
-    """W = Ŝ⁻¹ with Ŝ = σM + γhD + βh²K for Ritz bodies, about their current shape (Eq. T12).
+def compliances(
+    bodies: BodyTable, kind: int, state: MotionState, c: GeneralizedAlpha, floor: Array, W: Array
+) -> None:
+    """W = Ŝ⁻¹ with Ŝ = σM + γhD + βh²K for all bodies of one kind, RIGID or RITZ, as they stand (Eq. T12).
 
-    Rigid and mesh bodies' blocks do not depend on their elastic state or are kept by `mesh_body`. `floor` (b,)
-    is a small inertia (kg m²) added to the iteration matrix, never to the equations, where a body has none of its own.
+    A rigid body's is constant in its own axes; mesh bodies' are kept by `stepping.mesh`. `floor` (b,) is a small
+    inertia (kg m²) added to the iteration matrix, never to the equations, where a body has none of its own.
     """
     for b in range(bodies.kind.shape[0]):
-        kind = bodies.kind[b]
-        if kind != RITZ and kind != RIGID:
+        if bodies.kind[b] != kind:
             continue
         o = bodies.offset[b]
         size = bodies.offset[b + 1] - o
@@ -166,13 +167,16 @@ def correction_size(bodies: BodyTable, c: GeneralizedAlpha, tolerance: float, st
         if bodies.kind[b] == FIXED:
             continue
         o = bodies.offset[b]
-        for i in range(o, bodies.offset[b + 1]):
+        e = bodies.offset[b + 1]
+        reference = max(state.elastic[b, 1], floor * state.elastic[b, 0])
+        for i in range(o + 6, e):
+            reference = max(reference, abs(state.next.vd[i]), floor * abs(state.next.e[i]))
+        for i in range(o, e):
             if i < o + 3:
                 x = abs(delta[i]) / acceleration
             elif i < o + 6:
                 x = abs(delta[i]) * size / acceleration
             else:
-                reference = max(state.elastic[i, 1], floor * state.elastic[i, 0])
                 x = abs(delta[i]) / reference if reference > 0.0 else 0.0
             if not (x <= largest):
                 largest = x
@@ -241,8 +245,8 @@ def iterate(
             break
         worst_before = worst
         if refresh:
-            if has_ritz or iteration > 0:
-                compliances(bodies, state.next, c, floor, work.W)
+            if has_ritz:
+                compliances(bodies, RITZ, state.next, c, floor, work.W)
             assemble_compliance(liaisons, bodies, state.rows.A, work.W, work.L)
             work.independent[0] = factorise(first, start, work.L, work.pivot, work.scale)
             for i in range(r):
@@ -417,9 +421,11 @@ def update_scales(bodies: BodyTable, state: StepState) -> None:
         linear = math.sqrt(z[0] * z[0] + z[1] * z[1] + z[2] * z[2])
         turn = math.sqrt(z[3] * z[3] + z[4] * z[4] + z[5] * z[5])
         acceleration = max(acceleration, linear, size * turn, size * spin * spin)
+        state.elastic[b, 0] *= 0.99
+        state.elastic[b, 1] *= 0.99
         for i in range(o + 6, bodies.offset[b + 1]):
-            state.elastic[i, 0] = max(0.99 * state.elastic[i, 0], abs(state.now.e[i]))
-            state.elastic[i, 1] = max(0.99 * state.elastic[i, 1], abs(state.now.vd[i]))
+            state.elastic[b, 0] = max(state.elastic[b, 0], abs(state.now.e[i]))
+            state.elastic[b, 1] = max(state.elastic[b, 1], abs(state.now.vd[i]))
     state.scales[1] = max(speed, state.scales[3])
     state.scales[2] = max(acceleration, state.scales[4])
 

@@ -25,10 +25,11 @@ class StepState(NamedTuple):
     now, next: motions at the beginning and at the end of the step. a, a_next, a_previous (n,): algorithmic
     accelerations. increment (n,): Δq of the step. multipliers, multipliers_previous (r,): λ (Eq. T11).
     attachments, rows: kinematics and liaison rows of `next`. applied (n,): forces Aᵀλ − Q in small coordinates.
-    work (3,): work of drivers, loads and prescribed frames (J); energy dissipated by dampers (J); free.
-    power (3,): their present rates and the energy stored in springs (J).
-    scales (4,): mechanism's size (m), speed (m/s), acceleration (m/s²), and elastic reach (unused slots 0).
-    elastic (n, 2): the largest |e| and |ë| so far. contraction (2,): of the iteration; steps since last measured.
+    work (4,): work of drivers, loads and prescribed frames and energy dissipated (J), and their present rates (W).
+    power (3,): energy stored in springs (J), power of dampers and of loads (W), at `next`.
+    scales (5,): the mechanism's size (m), speed (m/s), acceleration (m/s²), and the least of the last two.
+    elastic (b, 2): the largest |e| and |ë| of each body lately. contraction (2,): of the iteration, and the
+    number of steps since it was last measured.
     """
 
     now: MotionState
