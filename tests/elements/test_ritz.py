@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from maggi.elements.ritz import box_quadrature, integrate_ritz, line_quadrature
+from maggi.elements.ritz import box_quadrature, integrate_ritz, line_quadrature, ritz_terms
 from maggi.model.errors import ModelError
 from maggi.model.materials import Damping, Material
+from maggi.model.shapes import BoxQuadrature, LineQuadrature, RitzIntegrals
 
 LOW, HIGH = np.array([-0.2, 0.1, 0.0]), np.array([0.5, 0.3, 0.4])
 ALUMINIUM = Material(density=2700.0, young=70e9, poisson=0.33, damping=Damping(0.5, 1e-5))
@@ -36,7 +37,7 @@ def terms(**options):
 
 
 def test_constants_against_a_finer_quadrature_of_each_formula():
-    """Trapezoidal rule with Richardson extrapolation on the box: shares no points or formulas with the code."""
+    """Nine Gauss points per axis, cross products instead of the constant tensors."""
     ours = terms()
     x, w = np.polynomial.legendre.leggauss(9)
     axes = [(lo + hi) / 2 + (hi - lo) / 2 * x for lo, hi in zip(LOW, HIGH, strict=True)]
@@ -94,7 +95,7 @@ def test_stiffness_from_gradients_is_the_strain_energy():
     points, weights = box_quadrature(LOW, HIGH, 2)
 
     def linear(x):
-        X, Y, Z = x.T
+        X, Y, _ = x.T
         zero = np.zeros_like(X)
         return np.stack([np.stack([X, zero, zero]), np.stack([Y, zero, zero]), np.stack([-Y, X, zero])]).transpose(
             2, 1, 0
@@ -134,6 +135,26 @@ def test_damping_given_from_factors_or_from_the_material():
     own = terms(stiffness=None, material=ALUMINIUM, gradients=gradients)
     np.testing.assert_allclose(own.D, 0.5 * own.m + 1e-5 * own.k)
     assert not terms().D.any()
+
+
+@pytest.mark.parametrize(
+    "quadrature", [LineQuadrature(0.3, 64e-6, 6), BoxQuadrature((0.0, 0.0, 0.0), (0.3, 0.1, 0.2), 4)]
+)
+def test_integrals_that_a_model_describes(quadrature):
+    integrals = RitzIntegrals(7870.0, quadrature, np.eye(3))
+    ours = ritz_terms(shapes, integrals)
+    if isinstance(quadrature, LineQuadrature):
+        points, weights = line_quadrature(0.3, 64e-6, 6)
+    else:
+        points, weights = box_quadrature(np.zeros(3), np.array([0.3, 0.1, 0.2]), 4)
+    expected = integrate_ritz(shapes, points, weights, 7870.0, stiffness=np.eye(3))
+    for name, value in vars(expected).items():
+        assert np.array_equal(getattr(ours, name), value), name
+    given = ritz_terms(shapes, replace(integrals, J0=((1.0, 0.1, 0.0), (0.1, 2.0, 0.0), (0.0, 0.0, 3.0))))
+    assert given.J0.tolist() == [[1.0, 0.1, 0.0], [0.1, 2.0, 0.0], [0.0, 0.0, 3.0]]
+    for wrong in (((1.0, 0.5, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), ((1.0, 0, 0), (0, -1.0, 0), (0, 0, 1.0))):
+        with pytest.raises(ModelError, match="J0 is"):
+            ritz_terms(shapes, replace(integrals, J0=wrong))
 
 
 def test_density_may_vary():

@@ -14,8 +14,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from ..model.errors import MeshError
-from ..model.materials import Material
+from maggi.model.errors import MeshError
+from maggi.model.materials import Material
+
 from . import cell_kernels
 from .graph import NodeGraph, node_graph
 from .materials import CellMaterials, Labels, cell_label, check_materials

@@ -16,9 +16,10 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from ..model.errors import MeshError, ModelError
-from ..model.materials import Material
-from ..model.meshes import Section
+from maggi.model.errors import MeshError, ModelError
+from maggi.model.materials import Material
+from maggi.model.meshes import Section
+
 from .materials import CellMaterials, Labels, cell_label, check_materials
 from .moving_frame import InertiaConstants, inertia_constants, reorient
 from .quadrature import gauss_legendre

@@ -9,7 +9,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.errors import MeshError
+from maggi.model.errors import MeshError
 
 IntArray = NDArray[np.int32]
 LARGEST = np.iinfo(np.int32).max

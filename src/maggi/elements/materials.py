@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.errors import ModelError
-from ..model.materials import Material
+from maggi.model.errors import ModelError
+from maggi.model.materials import Material
 
 Array = NDArray[np.float64]
 Labels = Mapping[str, Sequence[object] | NDArray[np.generic]]
@@ -29,6 +29,12 @@ class CellMaterials:
         return CellMaterials(
             np.full(count, material.density), np.full(count, material.young), np.full(count, material.poisson)
         )
+
+    @staticmethod
+    def chosen(materials: Sequence[Material], index: NDArray[np.int64]) -> CellMaterials:
+        """Material ``materials[index[c]]`` in cell c, index (c,)."""
+        columns = np.array([[m.density, m.young, m.poisson] for m in materials])[index].T
+        return CellMaterials(*(np.ascontiguousarray(column) for column in columns))
 
     @property
     def lame(self) -> Array:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.bodies import RitzTerms
-from ..model.errors import ModelError
-from ..model.materials import Damping, Material
+from maggi.model.bodies import RitzTerms
+from maggi.model.errors import ModelError
+from maggi.model.materials import Damping, Material
+from maggi.model.shapes import BoxQuadrature, LineQuadrature, RitzIntegrals
+
 from .materials import CellMaterials, check_materials
 from .moving_frame import inertia_constants
 from .quadrature import gauss_legendre, hexahedron
@@ -79,6 +82,35 @@ def integrate_ritz(
         s=inertia.s,
         s2=inertia.s2,
     )
+
+
+def ritz_terms(shapes: Field, integrals: RitzIntegrals) -> RitzTerms:
+    """Carry out the integrals that a model describes; as `integrate_ritz`.
+
+    Raises ModelError also for an inertia tensor J0 that is not symmetric and positive semidefinite.
+    """
+    match integrals.quadrature:
+        case LineQuadrature(length, area, order):
+            points, weights = line_quadrature(length, area, order)
+        case BoxQuadrature(low, high, order):
+            points, weights = box_quadrature(np.array(low), np.array(high), order)
+    terms = integrate_ritz(
+        shapes,
+        points,
+        weights,
+        integrals.density,
+        stiffness=integrals.stiffness,
+        damping=integrals.damping,
+    )
+    if integrals.J0 is None:
+        return terms
+    J0 = _square("J0", np.array(integrals.J0), 3)
+    size = np.abs(J0).max()
+    if np.abs(J0 - J0.T).max() > 1e-9 * size or np.linalg.eigvalsh(J0)[0] < -1e-9 * size:
+        raise ModelError(
+            f"J0 is {J0.tolist()}", remedy="an inertia tensor is symmetric and has no negative principal moments"
+        )
+    return replace(terms, J0=J0)
 
 
 def line_quadrature(length: float, area: float, order: int) -> tuple[Array, Array]:
