@@ -1,0 +1,162 @@
+"""Factorisation of sparse symmetric matrices, once for many right-hand sides, behind one small protocol.
+
+Two backends: rslab's supernodal L D Lᵀ, which factorises a solid's matrix about ten times faster and solves about three
+times faster (`docs/decisions.md`), and scipy's SuperLU, which is always there. Definite matrices and their shifts
+(K - s M) are for either. Saddle points, with zeros on the diagonal, need pivots that rslab may not find inside a front;
+there SuperLU exchanges rows.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, diags_array
+from scipy.sparse.linalg import splu
+
+try:
+    import rslab
+except ImportError:  # no wheel for this platform
+    rslab = None  # type: ignore[assignment]
+
+Array = NDArray[np.float64]
+Backend = Literal["auto", "rslab", "superlu"]
+
+# Above this order nested dissection wins rslab's race of orderings on every solid mesh tried: no race is needed.
+DISSECTION_ORDER = 20_000
+# A known solution is found again to about 1e-16 times the condition number; with less than three digits left, the
+# factor is of no use.
+PROBE_TOLERANCE = 1e-3
+
+
+class SingularMatrixError(np.linalg.LinAlgError):
+    """The matrix cannot be factorised: it is singular to working precision, or not symmetric."""
+
+
+class Factor(Protocol):
+    """A factorised symmetric matrix of order n. Non-finite right-hand sides give non-finite solutions."""
+
+    @property
+    def order(self) -> int:
+        """The number n of unknowns."""
+
+    def solve(self, b: Array) -> Array:
+        """The solution x (n,) of A x = b, for b (n,); b is left as it is."""
+
+    def solve_many(self, B: Array) -> Array:
+        """The solutions X (n, k) of A X = B, for B (n, k); cheaper than k single solves."""
+
+
+class RslabFactor:
+    """P A Pᵀ = L D Lᵀ by rslab, on as many cores as pay."""
+
+    def __init__(self, matrix: csc_array) -> None:
+        self.order = matrix.shape[0]
+        ordering = "metis" if self.order > DISSECTION_ORDER else "auto"
+        try:
+            self._handle = rslab.ldlt(matrix, ordering=ordering)
+        except RuntimeError as error:  # a pivot that is zero to working precision
+            raise SingularMatrixError(_message(self.order)) from error
+
+    def solve(self, b: Array) -> Array:
+        """See `Factor.solve`."""
+        return np.asarray(self._handle.solve(b), dtype=np.float64)
+
+    def solve_many(self, B: Array) -> Array:
+        """See `Factor.solve_many`."""
+        return np.asarray(self._handle.solve_many(np.asfortranarray(B)), dtype=np.float64)
+
+
+class SuperLUFactor:
+    """L U = P (D A D) Pᵀ by SuperLU, with D = |diag A|^(-1/2), so that pivots from the diagonal are good ones.
+
+    pivoting : exchange rows where the diagonal is small. A definite matrix does not need it, and has several times
+    less fill without.
+    """
+
+    def __init__(self, matrix: csc_array, *, pivoting: bool = False) -> None:
+        self.order = matrix.shape[0]
+        self._scale = _scale(matrix)
+        scaling = diags_array(self._scale)
+        scaled = csc_array(scaling @ matrix @ scaling)
+        try:
+            if pivoting:
+                self._handle = splu(scaled)
+            else:
+                self._handle = splu(
+                    scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+                )
+        except RuntimeError as error:  # "Factor is exactly singular"
+            raise SingularMatrixError(_message(self.order)) from error
+
+    def solve(self, b: Array) -> Array:
+        """See `Factor.solve`."""
+        return np.asarray(self._scale * self._handle.solve(self._scale * b), dtype=np.float64)
+
+    def solve_many(self, B: Array) -> Array:
+        """See `Factor.solve_many`."""
+        scale = self._scale[:, None]
+        return np.asarray(scale * self._handle.solve(np.asfortranarray(scale * B)), dtype=np.float64)
+
+
+def factorise(matrix: Any, backend: Backend = "auto") -> Factor:
+    """Factorises a symmetric sparse matrix.
+
+    Parameters
+    ----------
+    matrix : scipy sparse matrix or array (n, n), n ≥ 1, both triangles stored.
+    backend : ``rslab``, ``superlu``, or ``auto``: rslab where it is installed, SuperLU where that does not do.
+
+    Raises
+    ------
+    SingularMatrixError : singular to working precision, or not symmetric.
+    ValueError : not square, empty, or with an entry that is not finite.
+    ModuleNotFoundError : rslab was asked for and is not installed.
+    """
+    csc = csc_array(matrix, dtype=np.float64)
+    csc.sum_duplicates()
+    rows, columns = csc.shape
+    if rows != columns or rows == 0:
+        raise ValueError(f"a square matrix is needed, not one of shape {csc.shape}")
+    if not np.isfinite(csc.data).all():
+        at = int(np.flatnonzero(~np.isfinite(csc.data))[0])
+        column = int(np.searchsorted(csc.indptr, at, side="right")) - 1
+        raise ValueError(f"entry ({csc.indices[at]}, {column}) of the matrix is {csc.data[at]}")
+    if backend == "rslab" and rslab is None:
+        raise ModuleNotFoundError("rslab is not installed")
+    plain = RslabFactor if backend != "superlu" and rslab is not None else SuperLUFactor
+    try:
+        return _probed(plain(csc), csc)
+    except SingularMatrixError:
+        # Of a definite matrix this is the last word. Others may only have needed pivots from off the diagonal.
+        if backend == "rslab" or csc.diagonal().min() > 0.0:
+            raise
+    return _probed(SuperLUFactor(csc, pivoting=True), csc)
+
+
+def _probed(factor: Factor, matrix: csc_array) -> Factor:
+    """The factor, after it has found a known random solution again.
+
+    Neither backend notices a pivot that is only nearly zero, such as those of a body that nothing holds; here the
+    free motion turns up in the solution with an error of order one. In the scaled unknowns, so that units do not matter.
+    """
+    scale = _scale(matrix)
+    expected = np.random.default_rng(0).standard_normal(factor.order)
+    with np.errstate(all="ignore"):
+        found = factor.solve(matrix @ (scale * expected)) / scale
+        error = float(np.linalg.norm(found - expected) / np.linalg.norm(expected))
+    if not error < PROBE_TOLERANCE:  # also if it is not finite
+        raise SingularMatrixError(_message(factor.order))
+    return factor
+
+
+def _scale(matrix: csc_array) -> Array:
+    """|a_ii|^(-1/2), or 1 where the diagonal is zero (n,)."""
+    diagonal = np.abs(matrix.diagonal())
+    diagonal[diagonal == 0.0] = 1.0
+    return np.asarray(1.0 / np.sqrt(diagonal), dtype=np.float64)
+
+
+def _message(order: int) -> str:
+    return f"the matrix of order {order} is singular to working precision, or not symmetric"
