@@ -167,6 +167,15 @@ class Results:
         """
         return self._array(path)
 
+    def frames(self, path: str) -> Frames:
+        """The table at a path of the contract, to be read row by row.
+
+        Raises
+        ------
+        ModelError : it was not kept.
+        """
+        return self._frames(path)
+
     def close(self) -> None:
         """Close the file, if there is one."""
         self._source.close()

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Pictures of results and of models; nothing here needs a display."""

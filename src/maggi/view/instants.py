@@ -1,0 +1,30 @@
+"""Which instants of a run to draw."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maggi.results.results import Array
+
+
+def different_instants(points: Array, count: int, first: int = 0) -> NDArray[np.int64]:
+    """Rows at which the mechanism looks as different as possible, in order of time.
+
+    Evenly spread instants of a run of whole turns would all look alike; so each further instant is the one
+    farthest, in the space of all points, from those already chosen.
+
+    Parameters
+    ----------
+    points : (n, k, 3) positions over time.
+    count : how many rows at most; fewer where the mechanism does not move.
+    first : the row to start from.
+    """
+    states = points.reshape(len(points), -1)
+    size = float(np.ptp(points.reshape(-1, 3), axis=0).max()) or 1.0
+    chosen = [first]
+    distance = np.linalg.norm(states - states[first], axis=1)
+    while len(chosen) < count and distance.max() > 1e-3 * size:
+        chosen.append(int(np.argmax(distance)))
+        distance = np.minimum(distance, np.linalg.norm(states - states[chosen[-1]], axis=1))
+    return np.array(sorted(chosen), dtype=np.int64)

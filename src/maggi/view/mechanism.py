@@ -1,0 +1,144 @@
+"""The mechanism at several instants of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from maggi.results.extremes import deflection_history, elastic_bodies
+from maggi.results.results import Array, Results
+
+from .body_shape import BodyShape, body_shape, exaggeration, frame
+from .instants import different_instants
+from .parts import RIGID_COLORS, draw_beam, draw_link, draw_paths, draw_points, draw_surface, draw_triad, prepare
+from .projection import Camera, axonometric, facing, plane_of
+from .series import readable
+from .style import new_figure
+
+INSTANTS = 4
+WIDTH = 10.6  # inches
+_ROWS_LOOKED_AT = 400
+_COLOR_MAP = "viridis"
+
+
+def mechanism_figure(results: Results) -> Figure | None:
+    """Up to four instants, as different from each other as the run has them; None if positions were not kept."""
+    if not (len(results.time) and results.bodies and results.has(f"bodies/{results.bodies[0]}/origin")):
+        return None
+    step = max(1, len(results.time) // _ROWS_LOOKED_AT)
+    points = _points(results, step)
+    rows = different_instants(points, INSTANTS, _most_bent(results, step)) * step
+    shapes = tuple(body_shape(results, name) for name in elastic_bodies(results))
+    factor = exaggeration(shapes, rows)
+    camera = camera_for(points)
+    instants = [_Instant(results, int(row), {shape: shape.drawn(int(row), factor) for shape in shapes}) for row in rows]
+    scale = Normalize(0.0, max((float(size.max()) for one in instants for _, size in one.drawn.values()), default=1.0))
+    flat = np.concatenate(
+        [
+            camera.flat(points).reshape(-1, 2),
+            *(camera.flat(nodes) for one in instants for nodes, _ in one.drawn.values()),
+        ]
+    )
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    paths = _paths(results, step)
+
+    width, height = np.maximum(high - low, 0.05 * float((high - low).max()))
+    columns = len(rows) if width < 0.7 * height else min(2, len(rows))
+    lines = -(-len(rows) // columns)
+    inches = lines * (0.92 * WIDTH / columns * float(height / width) + 0.6) + 0.5
+    title = results.title or results.name
+    if shapes:
+        title += f" — elastic displacement drawn ×{factor:g}"
+    figure = new_figure(WIDTH, min(max(inches, 3.0), 13.0), title)
+    grid = figure.subplots(lines, columns, squeeze=False, sharex=True, sharey=True).ravel()
+    for axes in grid[len(rows) :]:
+        axes.set_axis_off()
+    factor_t, unit_t = readable("s", results.time)
+    for axes, instant in zip(grid, instants, strict=False):
+        prepare(axes, camera, low, high)
+        axes.set_title(f"t = {results.time[instant.row] * factor_t:.4g} {unit_t}")
+        draw_paths(axes, camera, paths)
+        instant.draw(axes, camera, scale, float((high - low).max()))
+        draw_triad(axes, camera)
+        axes.label_outer()
+    if shapes:
+        _color_bar(figure, list(grid), scale, shapes)
+    return figure
+
+
+def camera_for(points: Array) -> Camera:
+    """In the plane of the motion if there is one, else from above one corner; points (n, k, 3)."""
+    normal = plane_of((points - points[:1]).reshape(-1, 3))
+    return axonometric() if normal is None else facing(normal)
+
+
+@dataclass(frozen=True, eq=False)
+class _Instant:
+    """A row of the results and its elastic bodies, ready to be drawn."""
+
+    results: Results
+    row: int
+    drawn: dict[BodyShape, tuple[Array, Array]]
+
+    def draw(self, axes: Axes, camera: Camera, scale: Normalize, size: float) -> None:
+        color_map = colormaps[_COLOR_MAP]
+        for shape, (nodes, displacement) in self.drawn.items():
+            if len(shape.triangles):
+                colors = color_map(scale(displacement[shape.triangles].mean(axis=1)))[:, :3]
+                draw_surface(axes, camera, nodes, shape.triangles, colors)
+            if len(shape.beams):
+                colors = color_map(scale(displacement[shape.beams].mean(axis=1)))[:, :3]
+                draw_beam(axes, camera, nodes, shape.beams, colors)
+        elastic = {shape.name for shape in self.drawn}
+        for i, name in enumerate(name for name in self.results.bodies if name not in elastic):
+            origin, rotation = frame(self.results, name, self.row)
+            points = np.stack([origin, *self._attached(name)])
+            draw_link(axes, camera, points, rotation, size, RIGID_COLORS[i % len(RIGID_COLORS)])
+        marks = [point for name in self.results.bodies for point in self._attached(name)]
+        if marks:
+            draw_points(axes, camera, np.stack(marks))
+
+    def _attached(self, name: str) -> list[Array]:
+        return [self.results.frames(path)[self.row] for path in _position_paths(self.results, name)]
+
+
+def _color_bar(figure: Figure, panels: list[Axes], scale: Normalize, shapes: tuple[BodyShape, ...]) -> None:
+    largest = float(scale.vmax or 0.0)
+    factor, unit = readable("m", np.array([largest]))
+    bar = figure.colorbar(
+        ScalarMappable(Normalize(0.0, largest * factor), _COLOR_MAP), ax=panels, shrink=0.8, aspect=28, pad=0.015
+    )
+    lined = all(shape.line is not None for shape in shapes)
+    bar.set_label(f"displacement from the line between its ends [{unit}]" if lined else f"displacement [{unit}]")
+
+
+def _most_bent(results: Results, step: int) -> int:
+    """The row, of every `step`-th, at which an elastic body is bent most."""
+    best, place = 0.0, 0
+    for name in elastic_bodies(results):
+        history = deflection_history(results, name, step)
+        bent = history.displacement if history.deflection is None else history.deflection
+        if bent.max() > best:
+            best, place = float(bent.max()), int(np.argmax(bent))
+    return place
+
+
+def _points(results: Results, step: int) -> Array:
+    """Origins and attachments of every `step`-th row, (m, k, 3)."""
+    origins = [results.body(name).origin[::step] for name in results.bodies]
+    return np.stack([*origins, *_paths(results, step)], axis=1)
+
+
+def _paths(results: Results, step: int) -> list[Array]:
+    return [results.series(path)[::step] for name in results.bodies for path in _position_paths(results, name)]
+
+
+def _position_paths(results: Results, name: str) -> list[str]:
+    paths = [f"bodies/{name}/attachments/{at}/position" for at in results.body(name).attachments]
+    return [path for path in paths if results.has(path)]

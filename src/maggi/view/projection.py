@@ -1,0 +1,140 @@
+"""From space to paper: the camera, and surfaces as shaded polygons from back to front."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+PLANAR = 1e-3  # motion out of the plane, relative to motion in it, below which a mechanism counts as planar
+SHARP = np.cos(np.radians(35.0))  # edges sharper than this are drawn as lines
+_AMBIENT = 0.42
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A parallel projection: `right`, `up` and `toward` the viewer, a right-handed set of unit vectors (3,)."""
+
+    right: Array
+    up: Array
+    toward: Array
+
+    def flat(self, points: Array) -> Array:
+        """Points (..., 3) on paper, (..., 2)."""
+        return np.stack([points @ self.right, points @ self.up], axis=-1)
+
+    def depth(self, points: Array) -> Array:
+        """How near points (..., 3) are to the viewer, (...)."""
+        return np.asarray(points @ self.toward)
+
+    def axis_names(self) -> tuple[str, str] | None:
+        """Names of the global axes that run along the paper's two, where they do."""
+        names = [_axis_name(self.right), _axis_name(self.up)]
+        return None if None in names else (str(names[0]), str(names[1]))
+
+
+def facing(normal: Array) -> Camera:
+    """A camera that looks at the plane with a given normal, from the side on which the view reads usually.
+
+    Up is the global z axis as far as the plane allows, y where the plane is horizontal; the side is chosen
+    so that the main horizontal axis runs to the right.
+    """
+    normal = normal / np.linalg.norm(normal)
+    up = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    up = up - (up @ normal) * normal
+    up /= np.linalg.norm(up)
+    right = np.cross(up, normal)
+    if right[np.argmax(np.abs(right))] < 0.0:
+        right = -right
+    return Camera(right, up, np.cross(right, up))
+
+
+def axonometric(azimuth: float = -60.0, elevation: float = 24.0) -> Camera:
+    """A camera that looks down on the scene with z upwards; angles in degrees."""
+    a, e = np.radians(azimuth), np.radians(elevation)
+    toward = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    return Camera(right, np.cross(toward, right), toward)
+
+
+def plane_of(directions: Array) -> Array | None:
+    """Normal (3,) of the plane that directions (k, 3) span, or None if they do not span just a plane."""
+    if not len(directions):
+        return None
+    _, sizes, axes = np.linalg.svd(directions, full_matrices=True)
+    sizes = np.concatenate([sizes, np.zeros(3)])[:3]
+    if sizes[1] <= PLANAR * sizes[0] or sizes[2] > PLANAR * sizes[1]:
+        return None
+    return np.asarray(axes[2])
+
+
+@dataclass(frozen=True, eq=False)
+class Polygons:
+    """Polygons on paper, from back to front: corners (2 or 3 each, 2), where they come from, and their light.
+
+    triangle : number of the triangle that each shows; −1 for the line of a sharp edge.
+    light : brightness (0 to 1) of each.
+    """
+
+    corners: list[Array]
+    triangle: IntArray
+    light: Array
+
+
+def surface(camera: Camera, points: Array, triangles: IntArray) -> Polygons:
+    """What a closed surface shows to a camera, as polygons to be painted one over the other.
+
+    Triangles (t, 3) of points (n, 3), counter-clockwise seen from outside. Those that face away are left out;
+    the others are lit by Lambert's law from above the viewer's left shoulder. Sharp edges and the outline
+    become lines of two corners, which stand just in front of the triangles that they belong to.
+    """
+    corners = points[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    normals = normals / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    front = normals @ camera.toward > 1e-6
+    lamp = camera.toward + 0.55 * camera.up - 0.45 * camera.right
+    lamp = lamp / np.linalg.norm(lamp)
+    light = _AMBIENT + (1.0 - _AMBIENT) * np.clip(normals @ lamp, 0.0, 1.0)
+
+    seen = np.flatnonzero(front)
+    edges = _sharp_edges(triangles, normals, front)
+    size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+    depth = np.concatenate(
+        [
+            camera.depth(corners[seen]).mean(axis=1),
+            camera.depth(points[edges]).max(axis=1) + 2e-3 * size,
+        ]
+    )
+    flat = camera.flat(points)
+    shapes = [*flat[triangles[seen]], *flat[edges]]
+    origin = np.concatenate([seen, np.full(len(edges), -1, dtype=np.int64)])
+    brightness = np.concatenate([light[seen], np.zeros(len(edges))])
+    order = np.argsort(depth, kind="stable")
+    return Polygons([shapes[i] for i in order], origin[order], brightness[order])
+
+
+def _sharp_edges(triangles: IntArray, normals: Array, front: NDArray[np.bool_]) -> IntArray:
+    """Edges (e, 2) between a visible triangle and one at a sharp angle to it, facing away, or missing."""
+    sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    owner = np.tile(np.arange(len(triangles)), 3)
+    order = np.lexsort(sides.T)
+    sides, owner = sides[order], owner[order]
+    same = (sides[1:] == sides[:-1]).all(axis=1)
+    first = np.flatnonzero(same)
+    a, b = owner[first], owner[first + 1]
+    sharp = (np.einsum("ij,ij->i", normals[a], normals[b]) < SHARP) | (front[a] != front[b])
+    sharp &= front[a] | front[b]
+    paired = np.zeros(len(sides), dtype=np.bool_)
+    paired[first] = paired[first + 1] = True
+    single = ~paired & front[owner]
+    return np.concatenate([sides[first[sharp]], sides[single]])
+
+
+def _axis_name(direction: Array) -> str | None:
+    k = int(np.argmax(np.abs(direction)))
+    return "xyz"[k] if direction[k] > 1.0 - 1e-6 else None
