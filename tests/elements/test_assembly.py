@@ -196,6 +196,7 @@ def test_unusable_meshes_are_refused(box):
         (X, {"hex20": cells}, r"hex20 cells have shape \(2, 8\)"),
         (X, {}, "no solid cells"),
         (hole, {"hex8": cells}, "node at row 4 has coordinates"),
+        (X * 1e200, {"hex8": cells}, "coordinates .*e\\+200"),
         (X[:, :2], {"hex8": cells}, "nodes have shape"),
     ):
         with pytest.raises(MeshError, match=message):

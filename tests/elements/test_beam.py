@@ -241,10 +241,12 @@ def test_user_mistakes_are_named():
     nodes, cells = frame_mesh()
     with pytest.raises(MeshError, match="beam cell 12 has length 0 m"):
         assemble_beam(nodes, np.array([[0, 1], [2, 2]]), SHEAR, STEEL, {"beam2": [11, 12]})
-    with pytest.raises(MeshError, match="node index 9"):
+    with pytest.raises(MeshError, match="node indices 0 to 9"):
         assemble_beam(nodes, np.array([[0, 9]]), SHEAR, STEEL)
     with pytest.raises(MeshError, match="beam cells have shape"):
         assemble_beam(nodes, np.zeros((0, 2), dtype=int), SHEAR, STEEL)
+    with pytest.raises(MeshError, match="20001 beam cells are more than 20000"):
+        assemble_beam(nodes, np.tile([0, 1], (20001, 1)), SHEAR, STEEL)
     with pytest.raises(ModelError, match="the section has Iy -1"):
         assemble_beam(nodes, cells, Section(1.0, -1.0, 1.0, 1.0), STEEL)
     with pytest.raises(ModelError, match="the section has ky -1"):

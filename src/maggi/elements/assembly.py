@@ -1,7 +1,7 @@
 """Mass and stiffness of a mesh of solid cells (T2, T4; Maggi's step (28) for nodes shared by elements).
 
-Tying elements at shared nodes is Maggi's projection ``Aᵀ [blockdiag] A`` with the 0/1 matrix A of paper (28); summing element
-entries into the rows of their nodes is that product carried out.
+Tying elements at shared nodes is Maggi's projection ``Aᵀ [blockdiag] A`` with the 0/1 matrix A of paper (28); summing
+element entries into the rows of their nodes is that product carried out.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from maggi.model.materials import Material
 
 from . import cell_kernels
 from .graph import NodeGraph, node_graph
-from .materials import CellMaterials, Labels, cell_label, check_materials
+from .materials import LARGEST, CellMaterials, Labels, cell_label, check_materials
 from .solids import SOLIDS, SolidElement
 
 Array = NDArray[np.float64]
@@ -135,7 +135,7 @@ def _checked_nodes(nodes: Array) -> Array:
     nodes = np.ascontiguousarray(nodes, dtype=np.float64)
     if nodes.ndim != 2 or nodes.shape[1] != 3:
         raise MeshError(f"nodes have shape {nodes.shape}", remedy="give (n, 3) coordinates")
-    bad = np.flatnonzero(~np.isfinite(nodes).all(axis=1))
+    bad = np.flatnonzero(~(np.abs(nodes) < LARGEST).all(axis=1))
     if bad.size:
         raise MeshError(f"node at row {bad[0]} has coordinates {nodes[bad[0]].tolist()}", remedy="repair the mesh")
     return nodes

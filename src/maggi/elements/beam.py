@@ -1,9 +1,9 @@
 """A 3-D beam of 12 freedoms in a moving frame (T2, T3), and meshes of it.
 
-Freedoms of a node: u, v, w (m) and θx, θy, θz (rad). Timoshenko's theory with interdependent interpolation (Przemieniecki,
-Theory of Matrix Structural Analysis, 1968, §5.6; Reddy 1997): the static solution for end loads, so that the
-stiffness is exact and nothing locks; shear factors of 0 give the Euler–Bernoulli beam. Inertia is that of the 3-D
-field of rigid cross-sections, rotary terms included:
+Freedoms of a node: u, v, w (m) and θx, θy, θz (rad). Timoshenko's theory with interdependent interpolation
+(Przemieniecki, Theory of Matrix Structural Analysis, 1968, chapter 5; Reddy 1997): the static solution for end loads,
+so that the stiffness is exact and nothing locks; shear factors of 0 give the Euler–Bernoulli beam. Inertia is that of
+the 3-D field of rigid cross-sections, rotary terms included:
 
     f = (u + z θy − y θz,  v − z θx,  w + y θx)
 """
@@ -25,6 +25,9 @@ from .moving_frame import InertiaConstants, inertia_constants, reorient
 from .quadrature import gauss_legendre
 
 Array = NDArray[np.float64]
+
+# Of the 14 matrices of T3 the element blocks are held at once, 60 kB an element.
+ELEMENT_LIMIT = 20_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +61,7 @@ def beam_shapes(points: Array, length: Array, phi_y: Array, phi_z: Array) -> Arr
     N[:, :, 0, 0], N[:, :, 0, 6] = 1.0 - xi, xi
     N[:, :, 1, 3], N[:, :, 1, 9] = -z * (1.0 - xi), -z * xi
     N[:, :, 2, 3], N[:, :, 2, 9] = y * (1.0 - xi), y * xi
-    # Bending along y turns by θz = v', bending along z by θy = −w'. The sign is the one of θ in the deflection's slope.
+    # Bending along y turns by θz = v', bending along z by θy = −w': hence the sign.
     for phi, row, columns, sign, lever in (
         (phi_y, 1, (1, 5, 7, 11), 1.0, -y),
         (phi_z, 2, (2, 4, 8, 10), -1.0, z),
@@ -116,7 +119,7 @@ def beam_inertia(length: Array, section: Section, material: Material) -> Inertia
 
 
 def beam_stiffness(length: Array, section: Section, material: Material) -> Array:
-    """Exact stiffness (c, 12, 12) of beams in their own axes; Przemieniecki (1968), eq. (5.116)."""
+    """Exact stiffness (c, 12, 12) of beams in their own axes; Przemieniecki (1968), chapter 5."""
     E = material.young
     shear = E / (2.0 * (1.0 + material.poisson))
     phi_y, phi_z = shear_flexibilities(length, section, material)
@@ -146,8 +149,8 @@ def beam_stiffness(length: Array, section: Section, material: Material) -> Array
 def beam_axes(directions: Array) -> Array:
     """Rotations (c, 3, 3), beam axes to body axes, of beams along `directions` (c, 3).
 
-    Local z is as near to the body's z as can be, so that a beam along x has the body's own axes. A beam within 1e-6 of the z axis
-    takes its local y nearest to the body's y instead.
+    Local z is as near to the body's z as can be, so that a beam along x has the body's own axes. A beam within 1e-6 rad
+    of the z axis takes its local y nearest to the body's y instead.
     """
     x = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     y = np.cross([0.0, 0.0, 1.0], x)
@@ -162,21 +165,27 @@ def assemble_beam(
 ) -> BeamTerms:
     """Terms of a mesh of two-node beams of one section.
 
-    nodes (n, 3) m; cells (c, 2) node indices; labels: ``beam2`` → (c,) labels for messages. The section's axes are those of
-    `beam_axes`.
+    nodes (n, 3) m; cells (c, 2) node indices; labels: ``beam2`` → (c,) labels for messages. The section's
+    axes are those of `beam_axes`.
 
-    Raises MeshError for a missing node or a cell without length, ModelError for an impossible section or material.
+    Raises MeshError for a missing node, a cell without length or more than `ELEMENT_LIMIT` cells, ModelError for an
+    impossible section or material.
     """
     nodes = np.asarray(nodes, dtype=np.float64)
     check_materials("beam2", len(cells), CellMaterials.uniform(material, len(cells)), labels)
     _check_section(section)
     if cells.ndim != 2 or cells.shape[1] != 2 or not len(cells):
         raise MeshError(f"beam cells have shape {cells.shape}", remedy="give (c, 2) node indices, at least one cell")
+    if len(cells) > ELEMENT_LIMIT:
+        raise MeshError(f"{len(cells)} beam cells are more than {ELEMENT_LIMIT}", remedy="use fewer elements")
     if cells.min() < 0 or cells.max() >= len(nodes):
-        raise MeshError(f"a beam cell names node index {cells.max()}; the mesh has {len(nodes)} nodes")
+        raise MeshError(
+            f"beam cells name node indices {cells.min()} to {cells.max()}; the mesh has {len(nodes)} nodes",
+            remedy="indices count from 0; check the mesh's connectivity",
+        )
     spans = nodes[cells[:, 1]] - nodes[cells[:, 0]]
     length = np.linalg.norm(spans, axis=1)
-    short = np.flatnonzero(~(length > 1e-12 * np.ptp(nodes, axis=0).max()))
+    short = np.flatnonzero(~(length > 1e-12 * np.abs(nodes).max()))
     if short.size:
         row = int(short[0])
         raise MeshError(

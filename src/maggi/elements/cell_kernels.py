@@ -14,7 +14,7 @@ CHUNK = 512
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _jacobian(nodes, cell, gradients, J):  # type: ignore[no-untyped-def] # pragma: no cover
+def _jacobian(nodes, cell, gradients, J):  # type: ignore[no-untyped-def]
     """``J_ij = ∂x_i/∂ξ_j`` at one point, gradients (3, k); returns det J."""
     for i in range(3):
         for j in range(3):
@@ -30,7 +30,7 @@ def _jacobian(nodes, cell, gradients, J):  # type: ignore[no-untyped-def] # prag
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _masses(nodes, cells, density, gradients, products, low, high, base, out, smallest):  # type: ignore[no-untyped-def] # pragma: no cover
+def _masses(nodes, cells, density, gradients, products, low, high, base, out, smallest):  # type: ignore[no-untyped-def]
     """Scalar masses of cells low…high-1 into out[c - base] (k, k); `smallest` keeps their least determinant."""
     width = cells.shape[1]
     J = np.empty((3, 3))
@@ -54,7 +54,7 @@ def _masses(nodes, cells, density, gradients, products, low, high, base, out, sm
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _stiffnesses(nodes, cells, lame, shear, gradients, weights, low, high, base, out, smallest):  # type: ignore[no-untyped-def] # pragma: no cover
+def _stiffnesses(nodes, cells, lame, shear, gradients, weights, low, high, base, out, smallest):  # type: ignore[no-untyped-def]
     """Stiffness of cells low…high-1 into out[c - base] (k, k, 3, 3); `smallest` keeps their least determinant.
 
     For an isotropic law the block (a, b) needs only ``T = ∫ ∇N_a ∇N_bᵀ dV``: ``K_ab = λT + G(Tᵀ + tr T I)``.
@@ -104,7 +104,7 @@ def _stiffnesses(nodes, cells, lame, shear, gradients, weights, low, high, base,
 
 
 @numba.njit(cache=True, parallel=True)
-def add_masses(nodes, cells, density, gradients, products, slots, parts, data, smallest):  # type: ignore[no-untyped-def] # pragma: no cover
+def add_masses(nodes, cells, density, gradients, products, slots, parts, data, smallest):  # type: ignore[no-untyped-def]
     """Add the scalar masses of all cells of one type to data (nnz,)."""
     count, width = cells.shape
     buffer = np.empty((min(CHUNK, count), width, width))
@@ -123,7 +123,7 @@ def add_masses(nodes, cells, density, gradients, products, slots, parts, data, s
 
 
 @numba.njit(cache=True, parallel=True)
-def add_stiffnesses(nodes, cells, lame, shear, gradients, weights, slots, parts, data, smallest):  # type: ignore[no-untyped-def] # pragma: no cover
+def add_stiffnesses(nodes, cells, lame, shear, gradients, weights, slots, parts, data, smallest):  # type: ignore[no-untyped-def]
     """Add the stiffness blocks of all cells of one type to data (nnz, 3, 3)."""
     count, width = cells.shape
     buffer = np.empty((min(CHUNK, count), width, width, 3, 3))
@@ -145,12 +145,12 @@ def add_stiffnesses(nodes, cells, lame, shear, gradients, weights, slots, parts,
 
 
 @numba.njit(cache=True)
-def cell_masses(nodes, cells, density, gradients, products, out, smallest):  # type: ignore[no-untyped-def] # pragma: no cover
+def cell_masses(nodes, cells, density, gradients, products, out, smallest):  # type: ignore[no-untyped-def]
     """Scalar mass of every cell, out (c, k, k)."""
     _masses(nodes, cells, density, gradients, products, 0, len(cells), 0, out, smallest)
 
 
 @numba.njit(cache=True)
-def cell_stiffnesses(nodes, cells, lame, shear, gradients, weights, out, smallest):  # type: ignore[no-untyped-def] # pragma: no cover
+def cell_stiffnesses(nodes, cells, lame, shear, gradients, weights, out, smallest):  # type: ignore[no-untyped-def]
     """Stiffness of every cell, out (c, k, k, 3, 3)."""
     _stiffnesses(nodes, cells, lame, shear, gradients, weights, 0, len(cells), 0, out, smallest)

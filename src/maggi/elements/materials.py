@@ -12,6 +12,8 @@ from maggi.model.errors import ModelError
 from maggi.model.materials import Material
 
 Array = NDArray[np.float64]
+# No coordinate, density or modulus in SI units is larger; their products then stay finite.
+LARGEST = 1e30
 Labels = Mapping[str, Sequence[object] | NDArray[np.generic]]
 
 
@@ -50,12 +52,12 @@ class CellMaterials:
 def check_materials(name: str, count: int, materials: CellMaterials, labels: Labels | None = None) -> None:
     """Refuse constants that no elastic solid has.
 
-    Raises ModelError naming the cell and the value if density or Young's modulus is not positive and finite, if
+    Raises ModelError naming the cell and the value if density or Young's modulus is not positive and below 1e30, if
     Poisson's ratio lies outside (-1, 0.5), or if an array has not one entry per cell.
     """
     checks = (
-        ("density", materials.density, 0.0, np.inf, "give a positive density in kg/m³"),
-        ("young", materials.young, 0.0, np.inf, "give a positive Young's modulus in Pa"),
+        ("density", materials.density, 0.0, LARGEST, "give a positive density in kg/m³"),
+        ("young", materials.young, 0.0, LARGEST, "give a positive Young's modulus in Pa"),
         ("poisson", materials.poisson, -1.0, 0.5, "Poisson's ratio of an elastic solid lies between -1 and 0.5"),
     )
     for key, values, low, high, remedy in checks:

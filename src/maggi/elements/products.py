@@ -60,7 +60,7 @@ def _check(size: int, x: Array, out: Array) -> None:
 
 
 @numba.njit(cache=True)
-def _row_range(indptr, part, parts):  # type: ignore[no-untyped-def] # pragma: no cover
+def _row_range(indptr, part, parts):  # type: ignore[no-untyped-def]
     """Rows of one part, such that all parts have about the same number of stored entries."""
     total = np.int64(indptr[-1])
     low = 0 if part == 0 else np.searchsorted(indptr, total * part // parts)
@@ -69,7 +69,7 @@ def _row_range(indptr, part, parts):  # type: ignore[no-untyped-def] # pragma: n
 
 
 @numba.njit(cache=True, parallel=True)
-def _block_product(indptr, indices, blocks, x, out, parts):  # type: ignore[no-untyped-def] # pragma: no cover
+def _block_product(indptr, indices, blocks, x, out, parts):  # type: ignore[no-untyped-def]
     for part in numba.prange(parts):
         low, high = _row_range(indptr, part, parts)
         for n in range(low, high):
@@ -84,7 +84,7 @@ def _block_product(indptr, indices, blocks, x, out, parts):  # type: ignore[no-u
 
 
 @numba.njit(cache=True, parallel=True)
-def _scalar_product(indptr, indices, values, a, out, parts):  # type: ignore[no-untyped-def] # pragma: no cover
+def _scalar_product(indptr, indices, values, a, out, parts):  # type: ignore[no-untyped-def]
     for part in numba.prange(parts):
         low, high = _row_range(indptr, part, parts)
         for n in range(low, high):
@@ -98,7 +98,7 @@ def _scalar_product(indptr, indices, values, a, out, parts):  # type: ignore[no-
 
 
 @numba.njit(cache=True, parallel=True)
-def _fused_product(indptr, indices, blocks, values, x, a, out, parts):  # type: ignore[no-untyped-def] # pragma: no cover
+def _fused_product(indptr, indices, blocks, values, x, a, out, parts):  # type: ignore[no-untyped-def]
     for part in numba.prange(parts):
         low, high = _row_range(indptr, part, parts)
         for n in range(low, high):
