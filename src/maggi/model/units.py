@@ -106,10 +106,10 @@ class Unit(NamedTuple):
 
 @dataclass(frozen=True)
 class Quantity:
-    """A value in SI units and its dimension."""
+    """A value in SI units and its dimension; None: a number without unit, which is taken as SI of any dimension."""
 
     value: float
-    dimension: Dimension
+    dimension: Dimension | None
 
 
 _INCH = 0.0254
@@ -180,11 +180,11 @@ def parse_quantity(text: str) -> Quantity | None:
     if match is None or len(text) > 200:
         return None
     number, unit_text = match.groups()
-    unit = parse_unit(unit_text, text) if unit_text else Unit(1.0, NUMBER)
-    value = float(number) * unit.size
+    unit = parse_unit(unit_text, text) if unit_text else None
+    value = float(number) * (unit.size if unit else 1.0)
     if not math.isfinite(value):
         raise ModelError(f"'{text.strip()}' is too large a number")
-    return Quantity(value, unit.dimension)
+    return Quantity(value, unit.dimension if unit else None)
 
 
 def parse_unit(text: str, whole: str = "") -> Unit:

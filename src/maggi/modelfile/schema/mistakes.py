@@ -1,0 +1,127 @@
+"""Pydantic's findings as the program's own errors, with dotted path, value found and remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from ...model.errors import ModelError
+from ...model.expression import Parameter
+
+KEY = "[key]"
+"""Pydantic's mark, behind a key, for an error in the key itself."""
+
+
+@dataclass
+class Context:
+    """What validation knows beyond the value at hand.
+
+    parameters : resolved, SI. keys : for every mapping met (by identity) the keys it may have.
+    """
+
+    parameters: Mapping[str, Parameter] = field(default_factory=dict)
+    keys: dict[int, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The parameters' values alone."""
+        return {name: parameter.value for name, parameter in self.parameters.items()}
+
+
+@dataclass(frozen=True)
+class Located:
+    """An error and whether its path's key, not its value, is what is wrong."""
+
+    error: ModelError
+    at_key: bool = False
+
+
+def mistake(message: str, remedy: str = "", at: Sequence[str | int] = ()) -> PydanticCustomError:
+    """An error to raise inside a validator; `at` leads from the validated value to the wrong part of it."""
+    return PydanticCustomError("mistake", "{text}", {"text": message, "remedy": remedy, "at": tuple(at)})
+
+
+def shown(value: Any) -> str:
+    """A value for a message: short."""
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return str(value).lower()
+    text = repr(value) if isinstance(value, str) else f"{value:.12g}" if isinstance(value, float) else str(value)[:80]
+    return text if len(text) <= 80 else text[:80] + "…"
+
+
+def suggestion(name: str, known: Iterable[str], what: str) -> str:
+    """``did you mean 'steel'?``, or the known names."""
+    names = list(known)
+    near = get_close_matches(name, names, 1)
+    if near:
+        return f"did you mean '{near[0]}'?"
+    return f"{what} are {', '.join(names[:20])}" if names else f"there are no {what}"
+
+
+def to_model_errors(found: ValidationError, data: Any, context: Context) -> list[Located]:
+    """Every finding of a validation of `data`, in the order of the document."""
+    return [_convert(details, data, context) for details in found.errors(include_url=False)]
+
+
+def _convert(details: ErrorDetails, data: Any, context: Context) -> Located:
+    kind, value = details["type"], details.get("input")
+    extra = details.get("ctx", {})
+    whole = [*details["loc"], *extra.get("at", ())] if kind == "mistake" else list(details["loc"])
+    keys = _without_marks(whole, data)
+    at_key = len(whole) > 0 and whole[-1] == KEY
+    message, remedy = details["msg"], ""
+    if kind == "mistake":
+        message, remedy = extra["text"], extra["remedy"]
+    elif kind == "extra_forbidden":
+        at_key = True
+        allowed = context.keys.get(id(_descend(data, keys[:-1])), ())
+        message = f"unknown key '{str(keys[-1])[:80]}'"
+        near = get_close_matches(str(keys[-1]), allowed, 1)
+        if near:
+            message += f"; did you mean '{near[0]}'?"
+        else:
+            remedy = f"known keys are {', '.join(allowed)}"
+    elif kind == "missing":
+        message = f"missing key '{keys[-1]}'"
+    elif value is None:
+        message = "no value given"
+        remedy = "give a value or leave the key out"
+    elif kind == "literal_error":
+        message = f"{message}, found {shown(value)}"
+        near = get_close_matches(
+            str(value), str(extra.get("expected", "")).replace("'", "").replace(" or ", ", ").split(", "), 1
+        )
+        remedy = f"did you mean '{near[0]}'?" if near else ""
+    else:
+        message = f"{message}, found {shown(value)}"
+    return Located(ModelError(message, path=".".join(str(key) for key in keys), remedy=remedy), at_key)
+
+
+def _without_marks(whole: Sequence[str | int], data: Any) -> list[str | int]:
+    """The path in the document: without tags of unions (written <tag>) and marks of keys, which it does not have."""
+    keys: list[str | int] = []
+    for key in whole:
+        known = isinstance(data, dict) and key in data
+        if not known and isinstance(key, str) and (key[:1] == "<" or key == KEY):
+            continue
+        keys.append(key)
+        listed = isinstance(data, list) and isinstance(key, int) and key < len(data)
+        data = data[key] if known or listed else None
+    return keys
+
+
+def _descend(data: Any, keys: Sequence[str | int]) -> Any:
+    for key in keys:
+        data = data[key]
+    return data

@@ -1,0 +1,87 @@
+"""What to compute and what to keep."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from ...model import units
+from ...model.simulation import QUANTITIES, Outputs, Simulation
+from .fields import Number, PositiveTime, Section, count_up_to, not_built_unless
+from .mistakes import mistake, shown, suggestion
+
+MAX_STEPS = 1_000_000_000
+
+
+def _step(value: Any) -> Any:
+    if value == "auto":
+        raise mistake("an automatic step is not built yet", 'give a step in seconds, such as 1e-5 or "10 us"')
+    return value
+
+
+class SimulationSection(Section):
+    """A run in time."""
+
+    duration: PositiveTime = Field(description="length of the run (s)")
+    step: Annotated[float, Field(gt=0), Number(units.TIME), BeforeValidator(_step)] = Field(description="step (s)")
+    method: Annotated[
+        Literal["generalized-alpha"],
+        not_built_unless("generalized-alpha", "another method", "write method: generalized-alpha"),
+    ] = Field("generalized-alpha", description="the integrator")
+    rho_inf: Annotated[float, Field(ge=0, le=1), Number(units.NUMBER)] = Field(
+        0.9, description="spectral radius at infinite frequency: 1 keeps high modes, 0 removes them in one step"
+    )
+    tolerance: Annotated[float, Field(gt=0, lt=1), Number(units.NUMBER)] = Field(
+        1e-8, description="relative error left by the iteration of a step"
+    )
+    start: Literal["quasi-static", "undeformed"] = Field(
+        "quasi-static",
+        description="elastic bodies start in balance with the loads of the rigid motion, or undeformed",
+    )
+
+    @model_validator(mode="after")
+    def _countable(self) -> SimulationSection:
+        steps = self.duration / self.step
+        if steps < 0.5:
+            raise mistake(f"the step {self.step:g} s is longer than the duration {self.duration:g} s", at=("step",))
+        if steps > MAX_STEPS:
+            raise mistake(f"{steps:.3g} steps are more than {MAX_STEPS:g}", "use a longer step", ("step",))
+        return self
+
+    def build(self) -> Simulation:
+        """The frozen description."""
+        return Simulation(self.duration, self.step, self.rho_inf, self.tolerance, self.start, self.method)
+
+
+def _quantities(value: Any) -> Any:
+    if value == "all":
+        return list(QUANTITIES)
+    if not isinstance(value, list):
+        raise mistake(
+            f"expected a list of quantities or all, found {shown(value)}", f"they are {', '.join(QUANTITIES)}"
+        )
+    for place, name in enumerate(value):
+        if not isinstance(name, str) or name not in QUANTITIES:
+            what = suggestion(str(name), QUANTITIES, "known quantities")
+            raise mistake(f"unknown quantity {shown(name)}", what, (place,))
+    return value
+
+
+def _unique(value: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(value))
+
+
+class OutputsSection(Section):
+    """What the result file keeps."""
+
+    every: count_up_to(MAX_STEPS) = Field(1, description="a row at every this many steps")  # type: ignore[valid-type]
+    quantities: Annotated[
+        tuple[Literal["bodies", "attachments", "displacement", "joints", "energy", "residuals"], ...],
+        AfterValidator(_unique),
+        BeforeValidator(_quantities, json_schema_input_type=list[str] | Literal["all"]),
+    ] = Field(QUANTITIES, description=f"all, or a list of {', '.join(QUANTITIES)}")  # type: ignore[arg-type]
+
+    def build(self) -> Outputs:
+        """The frozen description."""
+        return Outputs(self.every, self.quantities)
