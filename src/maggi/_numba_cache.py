@@ -1,0 +1,133 @@
+"""Where numba keeps the compiled kernels: a folder for each state of the sources that the kernels are made from.
+
+Numba's own cache notices an edit only in the file of the kernel itself; a kernel whose callee or constant in another
+file was edited would go on with the old machine code. So the folder's name is a hash of every source that a kernel can
+see and of the versions of what compiles it. Must run before numba is imported, and must itself be quick to import.
+"""
+
+from __future__ import annotations
+
+import atexit
+import hashlib
+import os
+import re
+import shutil
+import sys
+import tempfile
+import time
+from importlib.util import find_spec
+from pathlib import Path
+
+VARIABLE = "NUMBA_CACHE_DIR"
+# Remembers what was set here, for child processes: their sources may have been edited since.
+OWN_VARIABLE = "MAGGI_NUMBA_CACHE_DIR"
+# Folders of other states of the sources are removed when they are not among the latest and unused for a day: a run
+# that started before an edit still writes to its own.
+KEPT_FOLDERS = 4
+KEPT_SECONDS = 86_400.0
+
+# An import statement, with its list in parentheses if it has one; starts at a line feed, which is quicker to find than ^.
+IMPORT = re.compile(rb"\n[ \t]*(?:from|import)\b[^\n(]*(?:\([^)]*\))?")
+WORD = re.compile(rb"\w+")
+COMPILERS = (("numba", "_version.py"), ("llvmlite", "_version.py"), ("numpy", "version.py"))
+
+
+def configure(package: Path) -> None:
+    """Points numba to the cache folder of the package's present sources, unless the user has chosen a folder.
+
+    The folder is in the package's `__pycache__`, in the user's cache folder where that cannot be written to, and where
+    even that cannot, in a temporary folder of this process.
+    """
+    given = os.environ.get(VARIABLE)
+    if given and given != os.environ.get(OWN_VARIABLE):
+        return
+    try:
+        key = source_key(package)
+    except OSError:  # the sources are not files: numba's own cache does not apply either
+        return
+    folder = make_folder((package / "__pycache__" / "numba", *user_cache()), key)
+    os.environ[VARIABLE] = os.environ[OWN_VARIABLE] = str(folder)
+    if "numba" in sys.modules:  # it has read its environment already
+        sys.modules["numba"].config.CACHE_DIR = str(folder)
+
+
+def source_key(package: Path) -> str:
+    """A hash of the sources that kernels are made from, of the compilers' versions and of Python's."""
+    texts = {path: path.read_bytes() for path in sorted(package.rglob("*.py"))}
+    digest = hashlib.sha256(sys.version.encode())
+    for name, file in COMPILERS:
+        spec = find_spec(name)
+        for location in (spec.submodule_search_locations or ()) if spec else ():
+            digest.update((Path(location) / file).read_bytes())
+    for path in seen_by_kernels(texts):
+        digest.update(b"%s\0%d\0" % (path.relative_to(package).as_posix().encode(), len(texts[path])))
+        digest.update(texts[path])
+    return digest.hexdigest()[:20]
+
+
+def seen_by_kernels(texts: dict[Path, bytes]) -> list[Path]:
+    """The modules that use numba and, transitively, those that they import; sorted.
+
+    A module counts as imported when its name, or its package's, stands in an import statement: now and then one too
+    many, never one too few.
+    """
+    named: dict[bytes, list[Path]] = {}
+    for path in texts:
+        name = path.parent.name if path.stem == "__init__" else path.stem
+        named.setdefault(name.encode(), []).append(path)
+    waiting = [path for path, text in texts.items() if b"numba" in text]
+    seen = set(waiting)
+    while waiting:
+        statements = IMPORT.findall(b"\n" + texts[waiting.pop()])
+        words = {word for statement in statements for word in WORD.findall(statement)}
+        new = {path for word in words for path in named.get(word, ())} - seen
+        seen |= new
+        waiting += new
+    return sorted(seen)
+
+
+def make_folder(parents: tuple[Path, ...], key: str) -> Path:
+    """The folder `key` in the first of the parents that can be written to; a temporary one where none can."""
+    for parent in parents:
+        folder = parent / key
+        try:
+            is_new = not folder.is_dir()
+            folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+            os.utime(folder)
+        except OSError:
+            continue
+        if is_new:
+            remove_old(parent)
+        return folder
+    # Private to this process: cached code is loaded as it is, so that nobody else may be able to put it there.
+    temporary = tempfile.mkdtemp(prefix="maggi-numba-")
+    atexit.register(shutil.rmtree, temporary, ignore_errors=True)
+    return Path(temporary)
+
+
+def remove_old(parent: Path) -> None:
+    """Removes the folders of earlier states of the sources that are no longer used."""
+    ages: list[tuple[float, Path]] = []
+    for folder in parent.iterdir():
+        try:
+            ages.append((time.time() - folder.stat().st_mtime, folder))
+        except OSError:  # another process was quicker
+            continue
+    for age, folder in sorted(ages)[KEPT_FOLDERS:]:
+        if age > KEPT_SECONDS:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def user_cache() -> tuple[Path, ...]:
+    """The folder for this program's caches by the platform's convention; none for a user without a home."""
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA", "~/AppData/Local")
+    elif sys.platform == "darwin":
+        base = "~/Library/Caches"
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    try:
+        return (Path(base).expanduser() / "maggi" / "numba",)
+    except RuntimeError:
+        return ()
