@@ -20,7 +20,6 @@ import math
 import re
 import warnings
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 from graphlib import CycleError, TopologicalSorter
 from typing import NamedTuple
 
@@ -29,6 +28,7 @@ import numpy as np
 from .errors import ModelError, ModelErrors
 from .functions import TimeFunction
 from .operations import BINARY, MAX_STACK, ON_ARRAYS, Operation, evaluate
+from .suggest import nearest
 from .units import Dimension, parse_quantity
 
 MAX_LENGTH = 1000
@@ -249,9 +249,9 @@ class _Compiler:
             raise _refuse(self.text, "the time t cannot stand here", "use a constant; t may stand in drivers and loads")
         if name in FUNCTIONS:
             raise _refuse(self.text, f"the function {name} has no arguments", f"write {name}(…)")
-        known = sorted({*self.parameters, *self.places, "pi"})
-        near = get_close_matches(name, [*known, *FUNCTIONS], 1)
-        hint = f"did you mean '{near[0]}'?" if near else f"known names are {', '.join(known[:20])}"
+        known = [*self.parameters, *self.places, "pi"]
+        near = nearest(name, [*known, *FUNCTIONS])
+        hint = f"did you mean '{near}'?" if near else f"known names are {', '.join(known[:20])}"
         raise _refuse(self.text, f"unknown name '{name}'", hint)
 
     def _call(self, name: str, arguments: list[ast.expr], depth: int) -> list[Instruction]:
@@ -277,8 +277,8 @@ class _Compiler:
             run = self._join(Operation.SUBTRACT, x1, x0)
             share = self._join(Operation.DIVIDE, self._join(Operation.SUBTRACT, x, x0), run)
             return self._join(Operation.SMOOTHSTEP, share)
-        near = get_close_matches(name, FUNCTIONS, 1)
-        hint = f"did you mean '{near[0]}'?" if near else f"known functions are {', '.join(sorted(FUNCTIONS))}"
+        near = nearest(name, FUNCTIONS)
+        hint = f"did you mean '{near}'?" if near else f"known functions are {', '.join(sorted(FUNCTIONS))}"
         raise _refuse(self.text, f"unknown function '{name}'", hint)
 
     def _count(self, name: str, parts: list[list[Instruction]], wanted: int | None) -> None:

@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import NamedTuple
 
 from .errors import ModelError
+from .suggest import nearest
 
 MAX_EXPONENT = 9
 
@@ -241,11 +241,10 @@ def _lookup(name: str, whole: str) -> Unit:
     if prefix in _PREFIXES and base in _PREFIXABLE:
         unit = _PREFIXABLE[base]
         return Unit(unit.size * _PREFIXES[prefix], unit.dimension)
-    known = [*_UNITS, *(p + b for p in _PREFIXES for b in _PREFIXABLE)]
-    near = [other for other in known if other.lower() == name.lower()] or get_close_matches(name, known, 1)
+    near = nearest(name, [*_UNITS, *(p + b for p in _PREFIXES for b in _PREFIXABLE)])
     raise ModelError(
         f"unknown unit '{name[:40]}' in '{whole[:80]}'",
-        remedy=f"did you mean '{near[0]}'?" if near else f"known units are {', '.join(_UNITS)} and SI prefixes",
+        remedy=f"did you mean '{near}'?" if near else f"known units are {', '.join(_UNITS)} and SI prefixes",
     )
 
 

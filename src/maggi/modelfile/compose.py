@@ -116,6 +116,8 @@ class _Composer:
         try:
             for event in _events(text):
                 self._take(event)
+        except ModelError:
+            raise
         except MarkedYAMLError as error:
             mark = error.problem_mark or error.context_mark
             place = Place(self.file, mark.line + 1, mark.column + 1) if mark else Place(self.file, 0, 0)
@@ -144,6 +146,8 @@ class _Composer:
                 self._add(node, place, None)
             case ScalarEvent():
                 self._check_tag(event, place)
+                if not event.value and not event.style and self.stack and self.stack[-1].key:
+                    place = self.stack[-1].key[1]  # an empty value has no place but its key's
                 self._add(Node(self._scalar(event, place), place), place, event.anchor, plain=event.value)
             case MappingStartEvent() | SequenceStartEvent():
                 self._check_tag(event, place)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
 
 from ..model.errors import ModelError
+from ..model.suggest import nearest
 from .compose import Entry, Node, compose
 
 
@@ -61,6 +61,6 @@ def _replace(root: Node, keys: list[str], new: Node, shown: str) -> None:
 
 def _unknown(section: str, key: str, known: Iterable[str], path: str, shown: str) -> ModelError:
     names = list(known)
-    near = get_close_matches(key, names, 1)
-    remedy = f"did you mean '{near[0]}'?" if near else f"the file has {', '.join(names[:20]) or 'none'}"
+    near = nearest(key, names)
+    remedy = f"did you mean '{near}'?" if near else f"the file has {', '.join(names[:20]) or 'none'}"
     return ModelError(f"nothing named '{key[:60]}' in {section}", file=shown, path=path, remedy=remedy)

@@ -17,7 +17,7 @@ from .schema.forces import LoadSection, SpringDamperSection, TorsionSpringSectio
 from .schema.frames import GivenFrameSection
 from .schema.joints import COORDINATES, DriverSection, JointSection
 from .schema.meshes import BeamMeshSection, BoxMeshSection
-from .schema.mistakes import shown, suggestion
+from .schema.mistakes import MAX_MISTAKES, shown, suggestion
 
 BOX_SETS = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 BEAM_SETS = ("start", "end")
@@ -39,14 +39,20 @@ class References:
     def check(self) -> list[ModelError]:
         """Every mistake, section by section."""
         for name, body in self.document.bodies.items():
+            if self._enough():
+                return self.errors
             self._body(f"bodies.{name}", body)
         driven: dict[tuple[str, str], str] = {}
         for name, joint in self.document.joints.items():
+            if self._enough():
+                return self.errors
             if isinstance(joint, DriverSection):
                 self._driver(name, joint, driven)
             else:
                 self._joint(f"joints.{name}", joint)
         for name, force in self.document.forces.items():
+            if self._enough():
+                return self.errors
             path = f"forces.{name}"
             if isinstance(force, LoadSection):
                 self._load(path, force)
@@ -55,6 +61,10 @@ class References:
             else:
                 self._torsion_spring(path, force)
         return self.errors
+
+    def _enough(self) -> bool:
+        """Whether a user has enough to do: very long lists of mistakes are cut."""
+        return len(self.errors) >= MAX_MISTAKES
 
     def _error(self, path: str, message: str, remedy: str = "") -> None:
         self.errors.append(ModelError(message, path=path, remedy=remedy))

@@ -43,7 +43,7 @@ class Section(BaseModel):
         """Remember which keys this mapping may have, for the message about one it may not have."""
         if not isinstance(data, dict):
             raise mistake(f"expected keys and values, found {shown(data)}", f"keys are {', '.join(cls.model_fields)}")
-        _context(info).keys[id(data)] = tuple(cls.model_fields)
+        _context(info).sections[id(data)] = cls
         return data
 
 

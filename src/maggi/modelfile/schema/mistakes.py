@@ -2,30 +2,34 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from ...model.errors import ModelError
 from ...model.expression import Parameter
+from ...model.suggest import nearest
 
 KEY = "[key]"
 """Pydantic's mark, behind a key, for an error in the key itself."""
+
+
+MAX_MISTAKES = 100
 
 
 @dataclass
 class Context:
     """What validation knows beyond the value at hand.
 
-    parameters : resolved, SI. keys : for every mapping met (by identity) the keys it may have.
+    parameters : resolved, SI. sections : for every mapping met (by identity) the class that says its keys.
     """
 
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
-    keys: dict[int, tuple[str, ...]] = field(default_factory=dict)
+    sections: dict[int, type[BaseModel]] = field(default_factory=dict)
 
     @property
     def values(self) -> dict[str, float]:
@@ -63,15 +67,32 @@ def shown(value: Any) -> str:
 def suggestion(name: str, known: Iterable[str], what: str) -> str:
     """``did you mean 'steel'?``, or the known names."""
     names = list(known)
-    near = get_close_matches(name, names, 1)
+    near = nearest(name, names)
     if near:
-        return f"did you mean '{near[0]}'?"
+        return f"did you mean '{near}'?"
     return f"{what} are {', '.join(names[:20])}" if names else f"there are no {what}"
 
 
 def to_model_errors(found: ValidationError, data: Any, context: Context) -> list[Located]:
-    """Every finding of a validation of `data`, in the order of the document."""
-    return [_convert(details, data, context) for details in found.errors(include_url=False)]
+    """Every finding of a validation of `data`; a misspelt key does not count as a missing one too."""
+    findings = found.errors(include_url=False)
+    meant = {_misspelt(details, data, context) for details in findings if details["type"] == "extra_forbidden"}
+    kept = [_convert(details, data, context) for details in findings[:MAX_MISTAKES]]
+    located = [each for each, details in zip(kept, findings, strict=False) if not _is_meant(each, details, meant)]
+    if len(findings) > MAX_MISTAKES:
+        located.append(Located(ModelError(f"and {len(findings) - MAX_MISTAKES} more mistakes")))
+    return located
+
+
+def _misspelt(details: ErrorDetails, data: Any, context: Context) -> str:
+    """The path of the key that an unknown key may have been meant for."""
+    keys = _without_marks(details["loc"], data)
+    section = context.sections[id(_descend(data, keys[:-1]))]
+    return ".".join(map(str, [*keys[:-1], nearest(str(keys[-1]), section.model_fields)]))
+
+
+def _is_meant(located: Located, details: ErrorDetails, meant: set[str]) -> bool:
+    return details["type"] == "missing" and located.error.path in meant
 
 
 def _convert(details: ErrorDetails, data: Any, context: Context) -> Located:
@@ -85,24 +106,25 @@ def _convert(details: ErrorDetails, data: Any, context: Context) -> Located:
         message, remedy = extra["text"], extra["remedy"]
     elif kind == "extra_forbidden":
         at_key = True
-        allowed = context.keys.get(id(_descend(data, keys[:-1])), ())
+        allowed = context.sections[id(_descend(data, keys[:-1]))].model_fields
         message = f"unknown key '{str(keys[-1])[:80]}'"
-        near = get_close_matches(str(keys[-1]), allowed, 1)
+        near = nearest(str(keys[-1]), allowed)
         if near:
-            message += f"; did you mean '{near[0]}'?"
+            message += f"; did you mean '{near}'?"
         else:
             remedy = f"known keys are {', '.join(allowed)}"
     elif kind == "missing":
         message = f"missing key '{keys[-1]}'"
+        section = context.sections.get(id(_descend(data, keys[:-1])))
+        if section is not None:
+            remedy = f"add '{keys[-1]}': {section.model_fields[str(keys[-1])].description}"
     elif value is None:
         message = "no value given"
         remedy = "give a value or leave the key out"
     elif kind == "literal_error":
         message = f"{message}, found {shown(value)}"
-        near = get_close_matches(
-            str(value), str(extra.get("expected", "")).replace("'", "").replace(" or ", ", ").split(", "), 1
-        )
-        remedy = f"did you mean '{near[0]}'?" if near else ""
+        near = nearest(str(value), re.findall("'([^']*)'", str(extra.get("expected", ""))))
+        remedy = f"did you mean '{near}'?" if near else ""
     else:
         message = f"{message}, found {shown(value)}"
     return Located(ModelError(message, path=".".join(str(key) for key in keys), remedy=remedy), at_key)
