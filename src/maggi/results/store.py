@@ -51,6 +51,7 @@ class FileRecorder:
 
     def __init__(self, path: str | Path, quantities: tuple[str, ...] = QUANTITIES, text: str = "") -> None:
         self.path = Path(path)
+        check_writable(self.path)
         self.rows = 0
         self.last_time = 0.0
         self._quantities = quantities
@@ -62,7 +63,6 @@ class FileRecorder:
         self._buffer: RowBuffer | None = None
         self._flushed = 0.0
         self._broken = False
-        check_writable(self.path)
 
     def begin(self, layout: Layout) -> None:
         """Create the file with everything that does not change in time."""

@@ -26,16 +26,23 @@ def stacked(results: Results, heights: list[float], what: str) -> tuple[Figure, 
     return figure, panels
 
 
-def draw_lines(axes: Axes, results: Results, lines: Mapping[str, Array], unit: str, what: str) -> None:
-    """Lines (n,) each by name, in a unit that reads well, with a legend beside them."""
+def draw_lines(
+    axes: Axes, results: Results, lines: Mapping[str, Array], unit: str, what: str, order: tuple[str, ...] = ()
+) -> None:
+    """Lines (n,) each by name, in a unit that reads well, with a legend beside them if there are several.
+
+    order : names that fix the lines' colours, where charts of the same lines should agree; by default their own.
+    """
     time = results.time * readable("s", results.time)[0]
     factor, shown = readable(unit, *lines.values())
-    for i, (name, values) in enumerate(lines.items()):
-        axes.plot(*thin(time, values * factor), label=plain(name), **line_style(i))
+    places = {name: i for i, name in enumerate(order or lines)}
+    for name, values in lines.items():
+        axes.plot(*thin(time, values * factor), label=plain(name), **line_style(places[name]))
     axes.set_ylabel(f"{what} [{shown}]" if shown != "1" else what)
     axes.margins(x=0.0)
     _leave_noise_flat(axes, [values * factor for values in lines.values()])
-    legend_beside(axes)
+    if len(lines) > 1:
+        legend_beside(axes)
 
 
 def moving(values: Array, size: float) -> bool:

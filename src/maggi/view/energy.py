@@ -23,12 +23,14 @@ def energy_figure(results: Results) -> Figure | None:
     small = {name: values for name, values in energies.items() if np.abs(values).max() < _SMALL * largest}
     balance = results.energy.balance
     charts: list[tuple[dict[str, Array], float, str]] = [(energies, 2.2, "Energies")]
-    charts += [({name: values}, 1.2, f"{name.capitalize()} alone") for name, values in small.items()]
+    if small:
+        charts.append((small, 1.6, f"{', '.join(small)} alone".capitalize()))
     exchanged = max(float(np.ptp(values)) for values in energies.values())
     part = f", at most {np.abs(balance).max() / exchanged:.1e} of the energy exchanged" if exchanged else ""
+    order = (*energies, "balance")
     charts.append(({"balance": balance}, 1.2, f"Balance: kinetic + strain + gravity + dissipated − work{part}"))
     figure, panels = stacked(results, [height for _, height, _ in charts], "energy")
     for axes, (lines, _, title) in zip(panels, charts, strict=True):
-        draw_lines(axes, results, lines, "J", "energy")
+        draw_lines(axes, results, lines, "J", "energy", order)
         axes.set_title(title)
     return figure

@@ -11,6 +11,7 @@ from maggi.results.results import Array, Results
 from .charts import draw_lines, stacked
 
 MOST_JOINTS = 6
+COMPONENTS = tuple(f"F{axis}" for axis in AXES)
 _NOTHING = 1e-9  # relative to the largest of its kind: below this a joint carries none of it
 
 
@@ -37,7 +38,7 @@ def joints_figure(results: Results) -> Figure | None:
         )
         charts.append((magnitudes, "N", "|F|", title))
     for name in loaded:
-        parts = {f"F{axis}": forces[name][:, i] for i, axis in enumerate(AXES)}
+        parts = {part: forces[name][:, i] for i, part in enumerate(COMPONENTS)}
         parts = {
             part: values for part, values in parts.items() if np.abs(values).max() > _NOTHING * largest_force[name]
         }
@@ -52,7 +53,7 @@ def joints_figure(results: Results) -> Figure | None:
     heights = [2.1 if i == 0 or unit == "N m" else 1.25 for i, (_, unit, _, _) in enumerate(charts)]
     figure, panels = stacked(results, heights, "joint forces and torques")
     for axes, (lines, unit, what, title) in zip(panels, charts, strict=True):
-        draw_lines(axes, results, lines, unit, what)
+        draw_lines(axes, results, lines, unit, what, COMPONENTS if set(lines) <= set(COMPONENTS) else ())
         axes.set_title(title)
     return figure
 
@@ -66,4 +67,4 @@ def _largest(vectors: dict[str, Array]) -> dict[str, float]:
 
 def _main_component(name: str, torque: Array) -> tuple[str, Array]:
     k = int(np.argmax(np.abs(torque).max(axis=0)))
-    return f"{name}, {AXES[k]}", torque[:, k]
+    return f"{name}, T{AXES[k]}", torque[:, k]

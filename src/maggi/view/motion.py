@@ -58,6 +58,15 @@ def _distinct(positions: dict[str, Array]) -> dict[str, Array]:
     return kept
 
 
+def _without_repeats(named: dict[str, Array]) -> dict[str, Array]:
+    """A driver has the coordinate of its joint: one of the two is enough."""
+    kept: dict[str, Array] = {}
+    for name, values in named.items():
+        if not any(np.array_equal(values, other) for other in kept.values()):
+            kept[name] = values
+    return kept
+
+
 def _velocity(results: Results, name: str) -> Array:
     body, _, attachment = name.rpartition(".")
     return results.body(body).attachment(attachment).velocity
@@ -70,4 +79,4 @@ def _coordinates(results: Results) -> dict[str, Array]:
         for k in range(values.shape[1]):
             if moving(values[:, k], 1.0):
                 named[name if values.shape[1] == 1 else f"{name} ({k + 1})"] = values[:, k]
-    return named
+    return _without_repeats(named)

@@ -12,7 +12,7 @@ IntArray = NDArray[np.int64]
 
 PLANAR = 1e-3  # motion out of the plane, relative to motion in it, below which a mechanism counts as planar
 SHARP = np.cos(np.radians(35.0))  # edges sharper than this are drawn as lines
-_AMBIENT = 0.42
+_AMBIENT = 0.5
 
 
 @dataclass(frozen=True, eq=False)
