@@ -8,8 +8,10 @@ import skfem
 from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
 from maggi.elements.assembly import assemble_solids, element_masses, element_stiffnesses
+from maggi.elements.cell_kernels import CHUNK
 from maggi.elements.materials import CellMaterials
 from maggi.elements.solids import SOLIDS
+from maggi.mesh import parametric
 from maggi.model.errors import MeshError, ModelError
 from maggi.model.materials import Material
 
@@ -71,7 +73,7 @@ def test_distorted_straight_edged_mesh_agrees_with_scikit_fem(name, kind, box):
 
 
 def mixed_mesh(box):
-    """Two hex8 boxes and four wedges that share the nodes between them, one tet10 patch and one hex20 apart in space."""
+    """Two hex8 and four wedges that share the nodes between them, a curved tet10 patch and a hex20 beside them."""
     parts = {
         "hex8": box("hex8", count=(1, 2, 1)),
         "wedge6": box("wedge6", count=(1, 2, 1), origin=(1.0, 0.0, 0.0)),
@@ -133,13 +135,17 @@ def test_matrices_are_exactly_symmetric_and_share_int32_indices(box):
     assert matrices.mass.has_canonical_format
 
 
-def test_more_cells_than_a_chunk(box):
-    """Chunks of cells only order the work."""
-    X, cells = box("hex8", count=(10, 9, 7), size=(2.0, 3.0, 4.0))
-    assert len(cells) > 512
-    matrices = assemble_solids(X, {"hex8": cells}, STEEL)
+def test_more_cells_than_a_chunk():
+    """Chunks of cells only order the work: a block stretched evenly (E ε A at its ends, nothing inside)."""
+    mesh = parametric.box((2.0, 3.0, 4.0), (18, 18, 17), "hex20")
+    assert mesh.n_cells > CHUNK // 20**2
+    matrices = assemble_solids(mesh.nodes, mesh.cells, STEEL)
     assert matrices.mass.sum() == pytest.approx(24.0 * STEEL.density, rel=1e-13)
-    assert np.abs(matrices.stiffness @ np.ones(X.size)).max() < 1e-13 * abs(matrices.stiffness).max()
+    extension = matrices.stiffness @ (mesh.nodes * [1.0, -0.3, -0.3]).ravel()
+    inner = np.setdiff1d(np.arange(mesh.n_nodes), np.concatenate([mesh.node_sets["x_min"], mesh.node_sets["x_max"]]))
+    nodal = extension.reshape(-1, 3)
+    assert nodal[mesh.node_sets["x_max"], 0].sum() == pytest.approx(STEEL.young * 12.0, rel=1e-11)
+    assert np.abs(nodal[inner]).max() < 1e-11 * STEEL.young * 12.0
 
 
 @pytest.mark.parametrize("name", SOLIDS)

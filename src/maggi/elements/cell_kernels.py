@@ -1,20 +1,25 @@
 """Compiled element matrices and their summation into the sparse matrices of a mesh.
 
-Cells are taken in chunks that stay in cache. In a chunk, threads first share the cells (element matrices), then
-the rows of the sum: a row has one owner and receives its cells in their order, so that the result is bitwise the
-same for any number of threads.
+Cells are taken in chunks. In a chunk, threads first share the cells (element matrices), then the rows of the sum: a row
+has one owner and receives its cells in their order, so that the result is bitwise the same for any number of threads.
 """
 
 from __future__ import annotations
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
-CHUNK = 512
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int32]
+
+# Numbers in the element matrices of a chunk (16 MB). Few chunks, because each costs two barriers of the threads, and at
+# a barrier a busy machine lets them wait.
+CHUNK = 2**21
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _jacobian(nodes, cell, gradients, J):  # type: ignore[no-untyped-def]
+def _jacobian(nodes: Array, cell: IntArray, gradients: Array, J: Array) -> float:
     """``J_ij = ∂x_i/∂ξ_j`` at one point, gradients (3, k); returns det J."""
     for i in range(3):
         for j in range(3):
@@ -22,15 +27,27 @@ def _jacobian(nodes, cell, gradients, J):  # type: ignore[no-untyped-def]
             for a in range(cell.size):
                 total += nodes[cell[a], i] * gradients[j, a]
             J[i, j] = total
-    return (
+    det: float = (
         J[0, 0] * (J[1, 1] * J[2, 2] - J[1, 2] * J[2, 1])
         - J[0, 1] * (J[1, 0] * J[2, 2] - J[1, 2] * J[2, 0])
         + J[0, 2] * (J[1, 0] * J[2, 1] - J[1, 1] * J[2, 0])
     )
+    return det
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _masses(nodes, cells, density, gradients, products, low, high, base, out, smallest):  # type: ignore[no-untyped-def]
+def _masses(
+    nodes: Array,
+    cells: IntArray,
+    density: Array,
+    gradients: Array,
+    products: Array,
+    low: int,
+    high: int,
+    base: int,
+    out: Array,
+    smallest: Array,
+) -> None:
     """Scalar masses of cells low…high-1 into out[c - base] (k, k); `smallest` keeps their least determinant."""
     width = cells.shape[1]
     J = np.empty((3, 3))
@@ -54,7 +71,19 @@ def _masses(nodes, cells, density, gradients, products, low, high, base, out, sm
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _stiffnesses(nodes, cells, lame, shear, gradients, weights, low, high, base, out, smallest):  # type: ignore[no-untyped-def]
+def _stiffnesses(
+    nodes: Array,
+    cells: IntArray,
+    lame: Array,
+    shear: Array,
+    gradients: Array,
+    weights: Array,
+    low: int,
+    high: int,
+    base: int,
+    out: Array,
+    smallest: Array,
+) -> None:
     """Stiffness of cells low…high-1 into out[c - base] (k, k, 3, 3); `smallest` keeps their least determinant.
 
     For an isotropic law the block (a, b) needs only ``T = ∫ ∇N_a ∇N_bᵀ dV``: ``K_ab = λT + G(Tᵀ + tr T I)``.
@@ -104,12 +133,23 @@ def _stiffnesses(nodes, cells, lame, shear, gradients, weights, low, high, base,
 
 
 @numba.njit(cache=True, parallel=True)
-def add_masses(nodes, cells, density, gradients, products, slots, parts, data, smallest):  # type: ignore[no-untyped-def]
+def add_masses(
+    nodes: Array,
+    cells: IntArray,
+    density: Array,
+    gradients: Array,
+    products: Array,
+    slots: IntArray,
+    parts: int,
+    data: Array,
+    smallest: Array,
+) -> None:
     """Add the scalar masses of all cells of one type to data (nnz,)."""
     count, width = cells.shape
-    buffer = np.empty((min(CHUNK, count), width, width))
-    for base in range(0, count, CHUNK):
-        top = min(base + CHUNK, count)
+    chunk = CHUNK // width**2
+    buffer = np.empty((min(chunk, count), width, width))
+    for base in range(0, count, chunk):
+        top = min(base + chunk, count)
         for part in numba.prange(parts):
             low = base + (top - base) * part // parts
             high = base + (top - base) * (part + 1) // parts
@@ -123,12 +163,24 @@ def add_masses(nodes, cells, density, gradients, products, slots, parts, data, s
 
 
 @numba.njit(cache=True, parallel=True)
-def add_stiffnesses(nodes, cells, lame, shear, gradients, weights, slots, parts, data, smallest):  # type: ignore[no-untyped-def]
+def add_stiffnesses(
+    nodes: Array,
+    cells: IntArray,
+    lame: Array,
+    shear: Array,
+    gradients: Array,
+    weights: Array,
+    slots: IntArray,
+    parts: int,
+    data: Array,
+    smallest: Array,
+) -> None:
     """Add the stiffness blocks of all cells of one type to data (nnz, 3, 3)."""
     count, width = cells.shape
-    buffer = np.empty((min(CHUNK, count), width, width, 3, 3))
-    for base in range(0, count, CHUNK):
-        top = min(base + CHUNK, count)
+    chunk = CHUNK // (9 * width**2)
+    buffer = np.empty((min(chunk, count), width, width, 3, 3))
+    for base in range(0, count, chunk):
+        top = min(base + chunk, count)
         for part in numba.prange(parts):
             low = base + (top - base) * part // parts
             high = base + (top - base) * (part + 1) // parts
@@ -145,12 +197,23 @@ def add_stiffnesses(nodes, cells, lame, shear, gradients, weights, slots, parts,
 
 
 @numba.njit(cache=True)
-def cell_masses(nodes, cells, density, gradients, products, out, smallest):  # type: ignore[no-untyped-def]
+def cell_masses(
+    nodes: Array, cells: IntArray, density: Array, gradients: Array, products: Array, out: Array, smallest: Array
+) -> None:
     """Scalar mass of every cell, out (c, k, k)."""
     _masses(nodes, cells, density, gradients, products, 0, len(cells), 0, out, smallest)
 
 
 @numba.njit(cache=True)
-def cell_stiffnesses(nodes, cells, lame, shear, gradients, weights, out, smallest):  # type: ignore[no-untyped-def]
+def cell_stiffnesses(
+    nodes: Array,
+    cells: IntArray,
+    lame: Array,
+    shear: Array,
+    gradients: Array,
+    weights: Array,
+    out: Array,
+    smallest: Array,
+) -> None:
     """Stiffness of every cell, out (c, k, k, 3, 3)."""
     _stiffnesses(nodes, cells, lame, shear, gradients, weights, 0, len(cells), 0, out, smallest)

@@ -56,7 +56,7 @@ def node_graph(node_count: int, cells: Mapping[str, NDArray[np.int64]]) -> NodeG
 
 
 @numba.njit(cache=True, parallel=True)
-def _pattern(node_count, starts, members, parts):  # type: ignore[no-untyped-def]
+def _pattern(node_count: int, starts: IntArray, members: IntArray, parts: int) -> tuple[IntArray, IntArray]:
     """CSR pattern of the node graph; each part owns a range of rows, so the result does not depend on `parts`."""
     first = np.zeros(node_count + 1, np.int32)
     for i in range(members.size):
@@ -100,7 +100,7 @@ def _pattern(node_count, starts, members, parts):  # type: ignore[no-untyped-def
 
 
 @numba.njit(cache=True, parallel=True)
-def _slots(cells, indptr, indices):  # type: ignore[no-untyped-def]
+def _slots(cells: IntArray, indptr: IntArray, indices: IntArray) -> IntArray:
     """Place of every cell entry (a, b) in the pattern, by bisection in the sorted rows."""
     count, width = cells.shape
     slots = np.empty((count, width, width), np.int32)

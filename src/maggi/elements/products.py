@@ -13,6 +13,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int32]
 
 
 def stiffness_product(K: sp.bsr_matrix, x: Array, out: Array) -> Array:
@@ -60,16 +61,16 @@ def _check(size: int, x: Array, out: Array) -> None:
 
 
 @numba.njit(cache=True)
-def _row_range(indptr, part, parts):  # type: ignore[no-untyped-def]
+def _row_range(indptr: IntArray, part: int, parts: int) -> tuple[int, int]:
     """Rows of one part, such that all parts have about the same number of stored entries."""
     total = np.int64(indptr[-1])
-    low = 0 if part == 0 else np.searchsorted(indptr, total * part // parts)
-    high = indptr.size - 1 if part == parts - 1 else np.searchsorted(indptr, total * (part + 1) // parts)
+    low = 0 if part == 0 else int(np.searchsorted(indptr, total * part // parts))
+    high = indptr.size - 1 if part == parts - 1 else int(np.searchsorted(indptr, total * (part + 1) // parts))
     return low, high
 
 
 @numba.njit(cache=True, parallel=True)
-def _block_product(indptr, indices, blocks, x, out, parts):  # type: ignore[no-untyped-def]
+def _block_product(indptr: IntArray, indices: IntArray, blocks: Array, x: Array, out: Array, parts: int) -> None:
     for part in numba.prange(parts):
         low, high = _row_range(indptr, part, parts)
         for n in range(low, high):
@@ -84,7 +85,7 @@ def _block_product(indptr, indices, blocks, x, out, parts):  # type: ignore[no-u
 
 
 @numba.njit(cache=True, parallel=True)
-def _scalar_product(indptr, indices, values, a, out, parts):  # type: ignore[no-untyped-def]
+def _scalar_product(indptr: IntArray, indices: IntArray, values: Array, a: Array, out: Array, parts: int) -> None:
     for part in numba.prange(parts):
         low, high = _row_range(indptr, part, parts)
         for n in range(low, high):
@@ -98,7 +99,9 @@ def _scalar_product(indptr, indices, values, a, out, parts):  # type: ignore[no-
 
 
 @numba.njit(cache=True, parallel=True)
-def _fused_product(indptr, indices, blocks, values, x, a, out, parts):  # type: ignore[no-untyped-def]
+def _fused_product(
+    indptr: IntArray, indices: IntArray, blocks: Array, values: Array, x: Array, a: Array, out: Array, parts: int
+) -> None:
     for part in numba.prange(parts):
         low, high = _row_range(indptr, part, parts)
         for n in range(low, high):

@@ -12,8 +12,8 @@ hex20    3×3×3        parallelepipeds (integrand 4 per variable)          5×5
 wedge6   3×2          affine prisms (integrand 2 in triangle and line)    2²×3, degree 3 and 5 (3 and 4 needed)
 =======  ===========  ==================================================  =======================================
 
-Integration is full everywhere: no hourglass modes, no stabilisation constants. Mass is exact so that total mass, centre and
-inertia tensor of a meshed body are those of its (curved) geometry to round-off. The linear elements (tet4, hex8,
+Integration is full everywhere: no hourglass modes, no stabilisation constants. Mass is exact so that total mass, centre
+and inertia tensor of a meshed body are those of its (curved) geometry to round-off. The linear elements (tet4, hex8,
 wedge6) are stiff in bending by their nature; use the quadratic ones where bending matters.
 """
 
