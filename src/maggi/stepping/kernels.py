@@ -90,6 +90,16 @@ def move(bodies: BodyTable, now: MotionState, increment: Array, out: MotionState
 
 
 @njit(cache=True)
+def copy_motion(source: MotionState, target: MotionState) -> None:
+    """Copy one state's arrays into another's."""
+    target.origin[:] = source.origin
+    target.rotation[:] = source.rotation
+    target.e[:] = source.e
+    target.v[:] = source.v
+    target.vd[:] = source.vd
+
+
+@njit(cache=True)
 def predict(system: SmallSystem, c: GeneralizedAlpha, t: float, linear: float, state: StepState) -> None:
     """Predicted accelerations (linear: 1 extrapolates, 0 keeps them) and the Newmark state at time t."""
     bodies = system.bodies
@@ -366,8 +376,13 @@ def constraint_power(system: SmallSystem, state: StepState, work: StepWork) -> f
 
 
 @njit(cache=True)
-def accept(system: SmallSystem, c: GeneralizedAlpha, state: StepState, work: StepWork) -> None:
-    """Make `next` the present: integrate work and dissipation by the trapezoidal rule, renew the scales."""
+def accept(
+    system: SmallSystem, c: GeneralizedAlpha, mesh_dissipation: float, state: StepState, work: StepWork
+) -> None:
+    """Make `next` the present: integrate work and dissipation by the trapezoidal rule, renew the scales.
+
+    mesh_dissipation: power (W) that the damping of meshed bodies takes now.
+    """
     bodies = system.bodies
     transpose_product(system.liaisons, bodies, state.rows.A, state.multipliers_next, state.applied)
     for i in range(state.applied.shape[0]):
@@ -383,7 +398,7 @@ def accept(system: SmallSystem, c: GeneralizedAlpha, state: StepState, work: Ste
             for j in range(m):
                 ritz_power += state.next.v[o + i] * bodies.D[q + i * m + j] * state.next.v[o + j]
     power = constraint_power(system, state, work) + state.power[2]
-    dissipation = state.power[1] + ritz_power
+    dissipation = state.power[1] + ritz_power + mesh_dissipation
     state.work[0] += 0.5 * c.h * (state.work[2] + power)
     state.work[1] += 0.5 * c.h * (state.work[3] + dissipation)
     state.work[2] = power
@@ -450,5 +465,5 @@ def run_steps(
         total += corrections
         if reason != CONVERGED:
             return reason, k, total
-        accept(system, c, state, work)
+        accept(system, c, 0.0, state, work)
     return CONVERGED, steps, total

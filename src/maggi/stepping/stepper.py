@@ -1,0 +1,221 @@
+"""One step for every mechanism: the small system's kernels, and around them full-mesh bodies' back-substitutions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maggi.bodies.tables import MESH, RIGID, RITZ
+from maggi.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha, instantaneous
+from maggi.model.errors import SimulationError
+from maggi.system.system import System
+
+from . import kernels
+from .allocate import new_state, new_work, small_system
+from .mesh_step import MeshStep
+from .policy import MOST, SolvePolicy
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class Counts:
+    """What a run has cost: steps, corrections of the small system, back-substitutions, factorisations, restarts."""
+
+    steps: int = 0
+    corrections: int = 0
+    back_substitutions: int = 0
+    factorisations: int = 0
+    restarts: int = 0
+
+
+class Stepper:
+    """Advances a system in time.
+
+    Parameters
+    ----------
+    system : the mechanism. rho_inf : generalised-α's spectral radius at infinity. tolerance : relative error that the
+        iteration of a step may leave.
+    least_speed, least_acceleration : what residuals are scaled with where nothing moves (m/s, m/s²).
+    exact : iterate every step to round-off instead of counting on smooth motion.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        rho_inf: float,
+        tolerance: float,
+        least_speed: float,
+        least_acceleration: float,
+        *,
+        exact: bool = False,
+        announce: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        self.system = system
+        self.small = small_system(system)
+        self.state = new_state(system, least_speed, least_acceleration)
+        self.work = new_work(system)
+        self.meshes = [MeshStep(body, index, system.bodies) for index, body in system.mesh_bodies.items()]
+        self.counts = Counts()
+        self.policy = SolvePolicy(exact=exact)
+        self.coefficients = instantaneous()
+        self.last_iterations = 0
+        self._rho_inf = rho_inf
+        self._tolerance = tolerance
+        self._announce = announce
+        self._smooth = False  # whether the last two accelerations belong to one step size
+
+    def set_step(self, h: float) -> None:
+        """Prepare for steps of size h (s): matrices of all bodies, factorised once."""
+        if self.coefficients.h == h:
+            return
+        self.coefficients = generalized_alpha(h, self._rho_inf)
+        c, work = self.coefficients, self.work
+        kernels.compliances(self.small.bodies, RIGID, self.state.now, c, self.system.inertia_floor, work.W)
+        for mesh in self.meshes:
+            self._announce(f"factorising {mesh.body.name} ({mesh.body.size:,} freedoms)")
+            self.counts.factorisations += mesh.prepare(c, work.W, work.W_Z, work.W_D)
+        self.policy.restart()
+        self._smooth = False
+
+    def start_accelerations(self, t: float) -> None:
+        """True accelerations and liaison forces of the present state (Eq. T10), the algorithmic ones set equal."""
+        c = instantaneous()
+        state, work = self.state, self.work
+        kernels.compliances(self.small.bodies, RIGID, state.now, c, self.system.inertia_floor, work.W)
+        kernels.compliances(self.small.bodies, RITZ, state.now, c, self.system.inertia_floor, work.W)
+        kernels.copy_motion(state.now, state.next)
+        kernels.prescribe(self.small.motions, self.small.bodies, t, state.next)
+        for mesh in self.meshes:
+            mesh.prepare_start(work.W)
+            mesh.u_next[:], mesh.ud_next[:], mesh.udd_next[:] = mesh.u, mesh.ud, mesh.udd
+            mesh.a_next[:] = mesh.udd
+        self.coefficients = c
+        state.a_next[:] = state.next.vd
+        self._converge(c, t, exact=True)
+        state.a_next[:] = state.next.vd
+        kernels.accept(self.small, c, sum(mesh.dissipation() for mesh in self.meshes), state, work)
+        for mesh in self.meshes:
+            mesh.a_next[:] = mesh.udd_next
+            mesh.accept()
+            mesh.a_previous = mesh.a.copy()
+        state.a_previous[:] = state.a
+        state.multipliers_previous[:] = state.multipliers
+        for mesh in self.meshes:
+            mesh.write_small(state.now, state.a)
+        self._smooth = False
+
+    def advance(self, t: float, steps: int) -> int:
+        """Up to `steps` steps of the prepared size from time t; returns how many were done.
+
+        Fewer means that the iteration of the next one did not converge; the state is that of the last good step.
+        """
+        if self.meshes:
+            for k in range(steps):
+                if not self._mesh_step(t + (k + 1) * self.coefficients.h):
+                    return k
+            return steps
+        reason, done, corrections = kernels.run_steps(
+            self.small,
+            self.coefficients,
+            t,
+            steps,
+            float(self._smooth),
+            self._tolerance,
+            self.system.inertia_floor,
+            self.state,
+            self.work,
+        )
+        self.counts.steps += done
+        self.counts.corrections += corrections
+        self.last_iterations = round(corrections / done) if done else corrections
+        self._smooth = self._smooth or done > 0
+        return int(done)
+
+    def _mesh_step(self, t: float) -> bool:
+        c, state = self.coefficients, self.state
+        linear = float(self._smooth)
+        kernels.predict(self.small, c, t, linear, state)
+        for mesh in self.meshes:
+            mesh.predict(c, linear)
+        if not self._converge(c, t, exact=self.policy.exact):
+            return False
+        self.policy.accepted()
+        kernels.accept(self.small, c, sum(mesh.dissipation() for mesh in self.meshes), state, self.work)
+        for mesh in self.meshes:
+            mesh.accept()
+        self.counts.steps += 1
+        if self.counts.steps % 100 == 0:
+            for mesh in self.meshes:
+                mesh.settle()
+        for mesh in self.meshes:
+            mesh.write_small(state.now, state.a)
+        self._smooth = True
+        return True
+
+    def _converge(self, c: GeneralizedAlpha, t: float, exact: bool) -> bool:
+        """Residual, back-substitution and the small system's iteration, as often as the policy asks."""
+        state, work = self.state, self.work
+        gravity = self.small.forces.gravity
+        sizes: list[float] = []
+        while True:
+            for mesh in self.meshes:
+                mesh.solve_free(c, state.next, gravity, work.base)
+                mesh.frame_compliance(c, work.W)
+                self.counts.back_substitutions += 1
+            reason, corrections = kernels.iterate(
+                self.small, c, t, self._tolerance, self.system.inertia_floor, state, work
+            )
+            self.counts.corrections += corrections
+            self.last_iterations = corrections
+            if reason != kernels.CONVERGED:
+                return False
+            if not self.meshes:
+                return True
+            for mesh in self.meshes:
+                mesh.correct(c, work.accounted, work.position_force, work.velocity_force)
+            sizes.append(max(mesh.correction for mesh in self.meshes))
+            self.last_iterations = len(sizes)
+            if not np.isfinite(sizes[-1]):
+                return False
+            if self._enough(c, sizes, exact):
+                return True
+            if len(sizes) >= MOST or (len(sizes) > 4 and sizes[-1] > sizes[-2] > sizes[-3]):
+                return False
+
+    def _enough(self, c: GeneralizedAlpha, sizes: list[float], exact: bool) -> bool:
+        scale = self.state.scales[2]
+        if c.h == 0.0:
+            return sizes[-1] <= 1e-12 * scale or (len(sizes) >= 4 and sizes[-1] >= 0.5 * sizes[-2])
+        reach = 1.0 / (c.beta * c.h**2)
+        allowed = self._tolerance * min(scale, self.system.size * reach)
+        deflection = max(float(np.abs(mesh.u_next).max()) for mesh in self.meshes)
+        floor = 1e-13 * max(scale, deflection * reach)
+        if exact and sizes[-1] <= floor:
+            return True
+        return self.policy.enough(sizes, allowed, floor)
+
+    def residuals(self) -> Array:
+        """Scaled liaison residuals at position, velocity and acceleration level of the last step, (3,)."""
+        out = np.zeros(3)
+        kernels.scaled_residuals(self.system.liaisons, self.state, out)
+        return out
+
+    def failure(self, t: float) -> SimulationError:
+        """Why the iteration of the step to time t did not converge, as a message."""
+        rows = self.state.rows
+        system = self.system
+        if not all(np.isfinite(part).all() for part in (rows.position, rows.velocity, rows.acceleration)):
+            return SimulationError(f"the motion is no longer finite at t = {t:.6g} s; try a smaller step")
+        text = f"the iteration of the step to t = {t:.6g} s does not converge"
+        if system.rows:
+            worst = int(np.argmax(np.abs(rows.acceleration)))
+            text += f"; the liaison furthest from being met is {system.row_name(worst)}"
+        return SimulationError(f"{text}; try a smaller step, or look for a singular position there")
+
+    def has_elastic(self) -> bool:
+        """Whether any body has elastic coordinates."""
+        return bool(np.isin(self.system.bodies.kind, (RITZ, MESH)).any())
