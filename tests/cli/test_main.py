@@ -10,6 +10,7 @@ import fake_core
 import pytest
 
 import maggi
+from maggi.results.read import read
 
 SOURCE = str(Path(maggi.__file__).parents[1])
 
@@ -84,6 +85,9 @@ def test_a_bug_is_named_as_one(shell, monkeypatch):
     assert "Traceback (most recent call last)" in shell("run", name).stderr
     said = json.loads(shell("run", name, "--json").stdout)
     assert said["status"] == "failed"
+    with read("model.h5") as results:
+        assert results.status == "failed: ZeroDivisionError: division by zero"
+        assert len(results.time) == 3
 
 
 def test_schema(shell):

@@ -13,7 +13,7 @@ from typing import Any
 
 import click
 
-import maggi
+from maggi import __version__
 from maggi.model.errors import ModelError, SimulationError
 
 from .outcome import Outcome, failure
@@ -89,7 +89,7 @@ class MaggiGroup(click.Group):
     epilog="A mistake in a model is reported as file:line:column. Exit status: 0 done, 1 the run failed (what was "
     "computed is kept), 2 a mistake in what was given, 130 interrupted.",
 )
-@click.version_option(maggi.__version__, "-V", "--version", message="maggi %(version)s")
+@click.version_option(__version__, "-V", "--version", message="maggi %(version)s")
 @click.option("--traceback", is_flag=True, help=f"Show where an error in maggi itself arose (or set {DEBUG_VARIABLE}).")
 @click.pass_context
 def main(ctx: click.Context, traceback: bool) -> None:

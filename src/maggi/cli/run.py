@@ -74,7 +74,11 @@ def simulate(
     except SimulationError as error:
         return _ended("failed", ModelError(f"the run failed: {error}"), recorder, progress), None
     except KeyboardInterrupt:
+        recorder.end("interrupted")  # if it came at a moment when the run could not do it itself
         return _ended("interrupted", ModelError("interrupted"), recorder, progress), None
+    except BaseException as error:
+        recorder.end(f"failed: {type(error).__name__}: {error}")  # a bug: whatever there is shall be kept
+        raise
     residuals = dict(zip(("position", "velocity", "acceleration"), map(float, summary.residuals), strict=True))
     more = {
         "back_substitutions": summary.back_substitutions,

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import maggi
+from maggi import __version__
 from maggi.analyses.recorder import BodyLayout, Layout
 from maggi.model.errors import ModelError
 
@@ -173,7 +173,7 @@ def head(layout: Layout, quantities: tuple[str, ...], text: str) -> dict[str, st
         "format": FORMAT,
         "format_version": FORMAT_VERSION,
         "program": "maggi",
-        "version": maggi.__version__,
+        "version": __version__,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "units": "SI, radians",
         "model": text,

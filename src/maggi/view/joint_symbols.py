@@ -16,7 +16,7 @@ from .style import INK, PAPER
 AXIS_LENGTH = 0.11  # of the drawing's size
 _RAIL = 0.032  # half the distance of the two rails of a slider
 # Marker of a joint by its kind; a kind that is not here gets a diamond.
-_MARKERS = {"revolute": "o", "cylindrical": "o", "spherical": "o", "universal": "P", "weld": "X", "planar": "_"}
+_MARKERS = {"revolute": "o", "cylindrical": "o", "spherical": "o", "universal": "P", "weld": "X", "planar": "s"}
 _SLIDING = ("prismatic", "cylindrical")
 
 # Ground: a triangle that hangs from the joint on a hatched line. A driver: an arc with an arrow head.

@@ -12,7 +12,7 @@ _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"
 
 
 def thin(time: Array, values: Array, most: int = MOST_POINTS) -> tuple[Array, Array]:
-    """A series of at most about `most` points that looks the same: lowest and highest value of each interval.
+    """A series of at most `most` + 4 points that looks the same: lowest and highest value of each interval, and the ends.
 
     Parameters
     ----------
@@ -22,11 +22,11 @@ def thin(time: Array, values: Array, most: int = MOST_POINTS) -> tuple[Array, Ar
     if n <= most:
         return time, values
     width = -(-n // (most // 2))
-    whole = n // width * width
-    bins = values[:whole].reshape(-1, width)
-    first = np.arange(0, whole, width)
-    places = np.concatenate([first + bins.argmin(axis=1), first + bins.argmax(axis=1), np.arange(whole, n), [0]])
-    places = np.unique(places)
+    padded = np.concatenate([values, np.full(-n % width, values[-1])])
+    bins = padded.reshape(-1, width)
+    first = np.arange(0, n, width)
+    places = np.concatenate([first + bins.argmin(axis=1), first + bins.argmax(axis=1), [0, n - 1]])
+    places = np.unique(np.minimum(places, n - 1))
     return time[places], values[places]
 
 
