@@ -67,6 +67,9 @@ class ModelErrors(ModelError):
         )
         self.errors = tuple(errors)
 
+    def __reduce__(self) -> tuple[type[ModelErrors], tuple[tuple[ModelError, ...]]]:
+        return ModelErrors, (self.errors,)  # copies and other processes must get the list, not the text
+
     def __str__(self) -> str:
         return "\n".join(str(error) for error in self.errors)
 

@@ -136,7 +136,7 @@ def resolve_parameters(definitions: Mapping[str, str | float]) -> dict[str, Para
     broken: set[str] = set()
     for name, given in definitions.items():
         try:
-            _check_name(name)
+            check_parameter_name(name)
             quantity = parse_quantity(given) if isinstance(given, str) else None
             if quantity is not None:
                 resolved[name] = Parameter(quantity.value, quantity.dimension)
@@ -340,7 +340,8 @@ def _finite(number: float) -> float:
     return value
 
 
-def _check_name(name: str) -> None:
+def check_parameter_name(name: str) -> None:
+    """Raise ModelError for a name that an expression could not use, or that means something else there."""
     if not _NAME.fullmatch(name) or keyword.iskeyword(name) or len(name) > 64:
         raise ModelError(
             f"'{name[:64]}' cannot name a parameter",

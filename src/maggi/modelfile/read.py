@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from ..model.bodies import ElasticBody
 from ..model.errors import ModelError, ModelErrors
-from ..model.expression import Parameter, resolve_parameters
+from ..model.expression import Parameter, check_parameter_name, resolve_parameters
 from ..model.meshes import FileMesh
 from ..model.model import Model
 from .build import build_model
@@ -84,8 +84,8 @@ def _validate(data: Any, source: SourceMap) -> Document:
     try:
         context = Context(_parameters(data))
     except ModelErrors as errors:
-        # Without parameters the rest would only repeat them; keys are named again once these are right.
-        _raise_located([Located(error) for error in errors.errors], source)
+        # Expressions elsewhere need the parameters: their mistakes come first, alone.
+        _raise_located([Located(error, _names_badly(error)) for error in errors.errors], source)
         raise
     try:
         return Document.model_validate(data, context=context)
@@ -97,6 +97,15 @@ def _validate(data: Any, source: SourceMap) -> Document:
 def _parameters(data: Any) -> dict[str, Parameter]:
     given = data.get("parameters") if isinstance(data, dict) else None
     return resolve_parameters(given) if isinstance(given, dict) else {}
+
+
+def _names_badly(error: ModelError) -> bool:
+    """Whether a parameter's name, not its value, is what is wrong."""
+    try:
+        check_parameter_name(error.path.partition(".")[2])
+    except ModelError:
+        return True
+    return False
 
 
 def _raise_located(found: Sequence[Located], source: SourceMap) -> None:
