@@ -104,7 +104,7 @@ def one_value_changed(draw: st.DrawFn) -> str:
 
 
 @given(damaged() | one_value_changed() | st.text(max_size=80))
-@settings(max_examples=600, deadline=None)
+@settings(max_examples=300, deadline=None)
 def test_damage_gives_a_model_or_a_model_error(text: str) -> None:
     try:
         model, source = read_text(text, name="fuzz.yml", folder="/nonexistent")
@@ -122,7 +122,7 @@ def test_damage_gives_a_model_or_a_model_error(text: str) -> None:
         max_size=6,
     )
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_any_override_gives_a_model_or_a_model_error(parts: list[str]) -> None:
     try:
         read_text(EVERYTHING, overrides=[".".join(parts[:3]) + "=" + "".join(parts[3:])])

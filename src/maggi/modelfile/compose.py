@@ -143,6 +143,7 @@ class _Composer:
                 node = self.anchors.get(event.anchor)
                 if node is None:
                     raise self._refuse(f"unknown alias '*{event.anchor}'", place)
+                self.count += node.size - 1  # an alias counts with all it stands for
                 self._add(node, place, None)
             case ScalarEvent():
                 self._check_tag(event, place)
@@ -175,7 +176,7 @@ class _Composer:
             if len(self.anchors) >= MAX_ANCHORS:
                 raise self._refuse(f"more than {MAX_ANCHORS} anchors", place)
             self.anchors[anchor] = node
-        self.count += node.size if plain is None else 1
+        self.count += 1
         if self.count > MAX_VALUES:
             raise self._refuse(f"more than {MAX_VALUES} values", place, "keep meshes in their own files")
         if not self.stack:

@@ -19,7 +19,7 @@ from .compose import MAX_CHARACTERS, compose
 from .overrides import apply_overrides
 from .references import References
 from .schema.document import Document
-from .schema.mistakes import Context, Located, to_model_errors
+from .schema.mistakes import MAX_MISTAKES, Context, Located, to_model_errors
 from .source import SourceMap
 
 
@@ -90,7 +90,7 @@ def _validate(data: Any, source: SourceMap) -> Document:
     try:
         return Document.model_validate(data, context=context)
     except ValidationError as found:
-        _raise_located(to_model_errors(found, data, context), source)
+        _raise_located(to_model_errors(found, data, context), source, more=found.error_count() - MAX_MISTAKES)
         raise
 
 
@@ -108,10 +108,13 @@ def _names_badly(error: ModelError) -> bool:
     return False
 
 
-def _raise_located(found: Sequence[Located], source: SourceMap) -> None:
+def _raise_located(found: Sequence[Located], source: SourceMap, more: int = 0) -> None:
     if found:
         errors = [source.locate(each.error, key=each.at_key) for each in found]
-        raise ModelErrors(sorted(errors, key=lambda error: (error.line, error.column)))
+        errors.sort(key=lambda error: (error.line, error.column))
+        if more > 0:
+            errors.append(ModelError(f"and {more} more mistakes", file=source.root.place.file))
+        raise ModelErrors(errors)
 
 
 def _missing_meshes(model: Model) -> list[ModelError]:

@@ -310,7 +310,16 @@ def _name(value: str) -> str:
 
 
 Name = Annotated[str, AfterValidator(_name)]
-Text = Annotated[str, Field(max_length=2000)]
+
+
+def _printable(value: str) -> str:
+    for character in value:
+        if character < " " and character not in "\n\t":
+            raise mistake(f"the text holds the control character {character!r}", "remove it")
+    return value
+
+
+Text = Annotated[str, AfterValidator(_printable), Field(max_length=2000)]
 
 Length = Annotated[float, Number(units.LENGTH)]
 PositiveLength = Annotated[float, Field(gt=0), Number(units.LENGTH)]

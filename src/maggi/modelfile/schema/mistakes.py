@@ -74,14 +74,11 @@ def suggestion(name: str, known: Iterable[str], what: str) -> str:
 
 
 def to_model_errors(found: ValidationError, data: Any, context: Context) -> list[Located]:
-    """Every finding of a validation of `data`; a misspelt key does not count as a missing one too."""
+    """The first MAX_MISTAKES findings of a validation of `data`; a misspelt key does not count as a missing one too."""
     findings = found.errors(include_url=False)
     meant = {_misspelt(details, data, context) for details in findings if details["type"] == "extra_forbidden"}
     kept = [_convert(details, data, context) for details in findings[:MAX_MISTAKES]]
-    located = [each for each, details in zip(kept, findings, strict=False) if not _is_meant(each, details, meant)]
-    if len(findings) > MAX_MISTAKES:
-        located.append(Located(ModelError(f"and {len(findings) - MAX_MISTAKES} more mistakes")))
-    return located
+    return [each for each, details in zip(kept, findings, strict=False) if not _is_meant(each, details, meant)]
 
 
 def _misspelt(details: ErrorDetails, data: Any, context: Context) -> str:
