@@ -125,6 +125,8 @@ def read_sections(data: bytes, file: str) -> Content:
         if name in seen and name in _READERS:
             raise MeshError(f"there is a second ${name}", file=file, line=line - 1, remedy=REMEDY)
         seen.add(name)
+        if name == "PartitionedEntities":
+            raise MeshError("the mesh is partitioned", file=file, line=line - 1, remedy="save it unpartitioned")
         if header is not None and header.binary and name in _READERS:
             binary = BinaryStream(data, file, name, start, header.order, header.size_bytes)
             _READERS[name](binary, content)
@@ -141,8 +143,6 @@ def read_sections(data: bytes, file: str) -> Content:
             header = _header(text, file, line)
         elif name == "PhysicalNames":
             content.names = _physical_names(text, file, line)
-        elif name == "PartitionedEntities":
-            raise MeshError("the mesh is partitioned", file=file, line=line - 1, remedy="save it unpartitioned")
         elif name in _READERS:
             stream = AsciiStream(text, file, name, line)
             _READERS[name](stream, content)
@@ -151,8 +151,10 @@ def read_sections(data: bytes, file: str) -> Content:
     if header is None:
         remedy = "write it with Gmsh 4 as format 4.1"
         raise MeshError("this is not a Gmsh mesh: it does not begin with $MeshFormat", file=file, line=1, remedy=remedy)
-    if rest := data[start : start + 200].strip():
-        what = shorten(rest.split(b"\n")[0].decode("latin-1"))
+    rest = re.compile(rb"\s*").match(data, start)
+    if rest is not None and rest.end() < len(data):
+        start = rest.end()
+        what = shorten(data[start : start + 100].split(b"\n")[0].decode("latin-1"))
         raise MeshError(f"a section was expected, found '{what}'", file=file, line=lines.at(start), remedy=REMEDY)
     for name in ("Nodes", "Elements"):
         if name not in seen:
@@ -206,6 +208,7 @@ def _read_entities(stream: Stream, content: Content) -> None:
 
 
 def _read_nodes(stream: Stream, content: Content) -> None:
+    first = stream.position
     blocks, total, _, _ = stream.sizes(4).tolist()
     for _ in range(blocks):
         start = stream.position
@@ -219,10 +222,11 @@ def _read_nodes(stream: Stream, content: Content) -> None:
         content.nodes.append(NodeBlock(dimension, labels, points))
     found = sum(len(block.labels) for block in content.nodes)
     if found != total:
-        stream.fail(f"$Nodes announces {total} nodes and holds {found}")
+        stream.fail(f"$Nodes announces {total} nodes and holds {found}", at=first)
 
 
 def _read_elements(stream: Stream, content: Content) -> None:
+    first = stream.position
     blocks, total, _, _ = stream.sizes(4).tolist()
     for _ in range(blocks):
         start = stream.position
@@ -242,7 +246,7 @@ def _read_elements(stream: Stream, content: Content) -> None:
         content.elements.append(ElementBlock((dimension, tag), code, rows[:, 0], rows[:, 1:], stream, position))
     found = sum(len(block.labels) for block in content.elements)
     if found != total:
-        stream.fail(f"$Elements announces {total} elements and holds {found}")
+        stream.fail(f"$Elements announces {total} elements and holds {found}", at=first)
 
 
 _READERS: Mapping[str, Callable[[Stream, Content], None]] = MappingProxyType(

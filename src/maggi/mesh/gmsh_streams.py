@@ -68,7 +68,9 @@ class AsciiStream:
         return np.zeros(0) if good is None else good
 
     def _next(self, count: int) -> Array:
-        if count < 0 or count > len(self._values) - self.position:
+        if count < 0:
+            self.fail(f"${self._section}: a negative count", at=self.position - 1)
+        if count > len(self._values) - self.position:
             if self._damaged:
                 token = shorten(self._text.split()[len(self._values)].decode("latin-1"))
                 self.fail(f"${self._section}: a number was expected, found '{token}'", at=len(self._values))

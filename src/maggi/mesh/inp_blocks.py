@@ -127,14 +127,15 @@ def read_blocks(data: bytes, file: str) -> list[Block]:
     """All blocks of a file; MeshError if it is no text or begins with data."""
     if b"\0" in data:
         raise MeshError("this is not a text file", file=file, remedy="give an Abaqus or CalculiX input file")
-    lines = data.decode("utf-8", "replace").splitlines()
+    lines = data.decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n").split("\n")
     heads = [i for i, line in enumerate(lines) if line.lstrip().startswith("*") and not line.lstrip().startswith("**")]
     first = heads[0] if heads else len(lines)
     for i in range(first):
         if lines[i].strip() and not lines[i].lstrip().startswith("**"):
             message = f"a keyword was expected, found '{shorten(lines[i].strip())}'"
             raise MeshError(message, file=file, line=i + 1, remedy="an input file begins with *HEADING or *NODE")
-    return [_block(lines, head, end, file) for head, end in zip(heads, [*heads[1:], len(lines)], strict=True)]
+    ends = [*heads[1:], len(lines)] if heads else []
+    return [_block(lines, head, end, file) for head, end in zip(heads, ends, strict=True)]
 
 
 def _block(lines: list[str], head: int, end: int, file: str) -> Block:

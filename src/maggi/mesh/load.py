@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
+import numpy as np
+
 from maggi.model.errors import MeshError
 from maggi.model.meshes import BeamMesh, BoxMesh, FileMesh, MeshSource
 
@@ -63,7 +65,8 @@ def _read(name: str, unit: float, folder: str, path: str) -> Mesh:
     notes = mesh.notes
     if mesh.materials:
         notes += (f"the materials of the file are taken as SI and not scaled by its unit ({unit:g} m)",)
-    return replace(mesh, nodes=mesh.nodes * unit, notes=notes)
+    with np.errstate(over="ignore"):  # what is too large is found by `validate`
+        return replace(mesh, nodes=mesh.nodes * unit, notes=notes)
 
 
 def _near(place: str) -> str:
