@@ -27,9 +27,16 @@ def attachment_motion(table: BodyTable, state: MotionState, out: AttachmentState
         n = table.offset[b + 1] - o - 6
         R = state.rotation[b]
         X = table.attachment_point[a]
+        c0, c1, c2 = X[0], X[1], X[2]
+        if n < 0:  # ground does not move
+            for i in range(3):
+                out.arm[a, i] = X[i]
+                out.position[a, i] = X[i]
+                for j in range(3):
+                    out.rotation[a, i, j] = R[i, j]
+            continue
         v = state.v[o : o + 6]
         z = state.vd[o : o + 6]
-        c0, c1, c2 = X[0], X[1], X[2]
         # velocity and acceleration of the point in body axes; a_O = v̇ + ω × v
         o0, o1, o2 = v[3], v[4], v[5]
         e0, e1, e2 = z[3], z[4], z[5]
@@ -119,6 +126,8 @@ def generalised_force(
     The same map turns a liaison row's coefficients on an attachment's twist into its coefficients on the
     body's velocities, since J takes those velocities to the twist (Eq. T7).
     """
+    if out.shape[0] == 0:
+        return  # ground has no velocities
     b = table.attachment_body[a]
     n = table.offset[b + 1] - table.offset[b] - 6
     R = state.rotation[b]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from maggi.bodies.tables import AttachmentState, MotionState
-from maggi.liaisons.tables import LiaisonState
+from maggi.bodies.tables import MotionState
+from maggi.system.dense import new_attachments, new_rows
 from maggi.system.system import System
 
 from .tables import SmallSystem, StepState, StepWork
@@ -19,35 +19,6 @@ def small_system(system: System) -> SmallSystem:
 def copy_motion(motion: MotionState) -> MotionState:
     """An independent copy."""
     return MotionState(*(part.copy() for part in motion))
-
-
-def new_attachments(count: int) -> AttachmentState:
-    """Attachment states; tangents start as identities, which those of rigid bodies stay."""
-    tangent = np.zeros((count, 3, 3))
-    tangent[:] = np.eye(3)
-    return AttachmentState(
-        np.zeros((count, 3)),
-        np.zeros((count, 3, 3)),
-        *(np.zeros((count, 3)) for _ in range(5)),
-        tangent,
-    )
-
-
-def new_rows(system: System) -> LiaisonState:
-    """Row values, all zero; the joint coordinates' unwrapping starts at zero, the initial pose."""
-    r = system.rows
-    width = np.diff(system.bodies.offset)
-    bodies = system.bodies.attachment_body
-    ends = np.concatenate([system.liaisons.first, system.liaisons.second]).reshape(2, -1)
-    size = int(sum(width[bodies[ends[:, j]]].sum() for j in system.liaisons.row_joint))
-    c = system.liaisons.coordinate_joint.size
-    return LiaisonState(
-        np.zeros(size),
-        *(np.zeros(r) for _ in range(4)),
-        np.zeros((r, 2, 3)),
-        np.zeros((r, 2, 3)),
-        *(np.zeros(c) for _ in range(3)),
-    )
 
 
 def new_state(system: System, least_speed: float, least_acceleration: float) -> StepState:

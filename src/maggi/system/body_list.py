@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from maggi.bodies.mesh_body import MeshBody
 from maggi.bodies.tables import FIXED, MESH, RIGID, RITZ, BodyTable, MotionState
-from maggi.elements.ritz import box_quadrature, integrate_ritz, line_quadrature
+from maggi.elements.ritz import ritz_terms
 from maggi.linalg.rotations import rotation_matrix
 from maggi.model.bodies import GivenMotion, RigidBody, RitzBody, RitzTerms
 from maggi.model.errors import ModelError
 from maggi.model.expression import value_at
 from maggi.model.geometry import Pose
-from maggi.model.shapes import LineQuadrature, RitzIntegrals
+from maggi.model.shapes import RitzIntegrals
 
 from .packing import flat, integers, numbers
 
@@ -83,6 +83,10 @@ class BodyList:
         self._psi_offset.append(sum(part.size for part in self._psi))
         self._psi.append(psi)
         return len(self._points) - 1
+
+    def place(self, body: int, origin: Array, rotation: Array) -> None:
+        """Give a body its initial pose."""
+        self._bodies[body] = replace(self._bodies[body], origin=origin, rotation=rotation)
 
     def is_elastic(self, body: int) -> bool:
         """Whether a body has elastic coordinates."""
@@ -208,34 +212,7 @@ def initial_pose(pose: Pose, motion: GivenMotion | None) -> tuple[Array, Array]:
 
 
 def _integrate(body: RitzBody, integrals: RitzIntegrals, path: str) -> RitzTerms:
-    rule = integrals.quadrature
-    if isinstance(rule, LineQuadrature):
-        points, weights = line_quadrature(rule.length, rule.area, rule.order)
-    else:
-        points, weights = box_quadrature(np.array(rule.low), np.array(rule.high), rule.order)
     try:
-        terms = integrate_ritz(
-            body.shapes,
-            points,
-            weights,
-            integrals.density,
-            stiffness=integrals.stiffness,
-            damping=integrals.damping,
-        )
+        return ritz_terms(body.shapes, integrals)
     except ModelError as error:
         raise ModelError(error.message, path=f"{path}.{error.path}".rstrip("."), remedy=error.remedy) from None
-    if integrals.J0 is None:
-        return terms
-    return RitzTerms(
-        terms.mass,
-        terms.S0,
-        np.array(integrals.J0),
-        terms.m,
-        terms.k,
-        terms.D,
-        terms.m_O,
-        terms.G,
-        terms.H,
-        terms.s,
-        terms.s2,
-    )

@@ -1,0 +1,215 @@
+"""Initial positions and velocities: what is given holds, the rest follows with the least kinetic energy."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maggi.bodies.motions import prescribe
+from maggi.bodies.tables import MotionState
+from maggi.liaisons.tables import DRIVEN, DRIVEN_RATE
+from maggi.model.bodies import RitzBody
+from maggi.model.errors import ModelError
+from maggi.projection.maggi import closest_velocities, project, restore
+from maggi.stepping.allocate import copy_motion
+from maggi.stepping.kernels import move
+from maggi.system.dense import dense_mass, dense_rows, floating_velocities, velocity_scale
+from maggi.system.system import System
+
+Array = NDArray[np.float64]
+
+ROUND_OFF = 1e-12
+SMALL = 1e-6  # contradictions up to this, relative to size and speed, are projected away and told; larger ones refused
+
+
+def initial_motion(system: System, notes: list[str]) -> MotionState:
+    """Positions and velocities at t = 0 that the liaisons admit; accelerations still zero.
+
+    Raises ModelError where joints do not meet, drivers start off zero, or velocities contradict each other.
+    """
+    motion = copy_motion(system.start)
+    prescribe(system.motions, system.bodies, 0.0, motion)
+    _ritz_coordinates(system, motion)
+    refuse_overdriven(system, motion)
+    _close_gaps(system, motion, notes)
+    set_velocities(system, motion, notes)
+    return motion
+
+
+def refuse_overdriven(system: System, motion: MotionState) -> None:
+    """Raise ModelError where drivers prescribe more than the joints leave free."""
+    kind = system.liaisons.row_kind
+    driven = np.flatnonzero((kind == DRIVEN) | (kind == DRIVEN_RATE))
+    if driven.size == 0:
+        return
+    A = dense_rows(system, motion, 0.0).A
+    scale = velocity_scale(system)
+    passive = np.flatnonzero((kind != DRIVEN) & (kind != DRIVEN_RATE))
+    rank = project(A[passive], scale).rank
+    kept: list[int] = []
+    for row in driven:
+        more = project(A[np.concatenate([passive, kept, [row]]).astype(np.int64)], scale).rank
+        if more == rank:
+            name = system.liaison_entries[system.liaisons.row_owner[row]].name
+            others = [system.liaison_entries[system.liaisons.row_owner[k]].name for k in kept]
+            also = f" together with {', '.join(others)}" if others else ""
+            raise ModelError(
+                f"driver {name!r} is one too many: the joints{also} leave its coordinate no freedom",
+                path=f"joints.{name}",
+                remedy="remove a driver, or free a joint so that every driver has a motion of its own",
+            )
+        rank = more
+        kept.append(int(row))
+
+
+def _ritz_coordinates(system: System, motion: MotionState) -> None:
+    """Given initial coordinates and rates of Ritz bodies."""
+    for entry in system.body_entries:
+        body = system.model.bodies.get(entry.name)
+        if not isinstance(body, RitzBody) or body.initial is None:
+            continue
+        o, e = system.bodies.offset[entry.index] + 6, system.bodies.offset[entry.index + 1]
+        for values, target in zip(body.initial, (motion.e, motion.v), strict=True):
+            if len(values) != e - o:
+                raise ModelError(
+                    f"{len(values)} initial values are given for {e - o} coordinates",
+                    path=f"bodies.{entry.name}.initial",
+                    remedy="give one for each shape function",
+                )
+            target[o:e] = values
+
+
+def _close_gaps(system: System, motion: MotionState, notes: list[str]) -> None:
+    table = system.liaisons
+    rows = dense_rows(system, motion, 0.0)
+    holonomic = table.holonomic == 1
+    Phi = np.where(holonomic, rows.position, 0.0)
+    for row in np.flatnonzero((table.row_kind == DRIVEN) & (np.abs(Phi) > ROUND_OFF * system.size)):
+        name = system.liaison_entries[table.row_owner[row]].name
+        raise ModelError(
+            f"the driver starts at {-Phi[row]:.6g} instead of 0",
+            path=f"joints.{name}",
+            remedy="a joint's coordinate is zero in the initial pose; subtract the function's value at t = 0",
+        )
+    worst = float(np.abs(Phi).max(initial=0.0))
+    if worst <= ROUND_OFF * system.size:
+        return
+    row = int(np.argmax(np.abs(Phi)))
+    owner = system.liaison_entries[table.row_owner[row]]
+    if worst > SMALL * system.size:
+        unit = "m" if system.row_name(row).split(": ")[1].startswith("offset") else ""
+        raise ModelError(
+            f"the ends of joint {owner.name!r} ({owner.first}, {owner.second}) do not meet: "
+            f"{system.row_name(row).split(': ')[1]} is off by {abs(Phi[row]):.3g} {unit}".rstrip(),
+            path=f"joints.{owner.name}",
+            remedy="correct the poses or the attachments; `maggi check` prints where they are",
+        )
+    moving = floating_velocities(system)
+    scale = velocity_scale(system)[moving]
+    M = dense_mass(system, motion)[np.ix_(moving, moving)]
+    base = copy_motion(motion)
+
+    def rows_at(increment: Array) -> tuple[Array, Array]:
+        full = np.zeros(system.coordinates)
+        full[moving] = increment
+        move(system.bodies, base, full, motion)
+        at = dense_rows(system, motion, 0.0)
+        return at.A[holonomic][:, moving], at.position[holonomic]
+
+    _, left = restore(rows_at, M, scale, ROUND_OFF * system.size)
+    if left > 1e-10 * system.size:
+        raise ModelError(
+            f"the joints cannot all be closed: {left:.3g} m are left at best",
+            path=f"joints.{owner.name}",
+            remedy="correct the poses or the attachments",
+        )
+    notes.append(f"initial gaps up to {worst:.2g} m (joint {owner.name}) were closed")
+
+
+def set_velocities(system: System, motion: MotionState, notes: list[str]) -> None:
+    """The frames' velocities at t = 0; elastic rates in `motion.v` are taken as given.
+
+    Given velocities hold; the others make the kinetic energy least. Small contradictions are projected away
+    mass-orthogonally, larger ones refused by ModelError.
+    """
+    given_rates = _given_rates(system)
+    rates = motion.v[given_rates]
+    moving = np.concatenate([floating_velocities(system), given_rates])
+    if moving.size == 0:
+        return
+    motion.v[moving] = 0.0
+    rows = dense_rows(system, motion, 0.0)
+    A, b = rows.A[:, moving], rows.velocity
+    G, g, owners = _given(system, motion, moving)
+    G, g = np.vstack([G, np.eye(moving.size)[moving.size - rates.size :]]), np.concatenate([g, rates])
+    owners += [_owner(system, int(c)) for c in given_rates]
+    scale = velocity_scale(system)[moving]
+    M = dense_mass(system, motion)[np.ix_(moving, moving)]
+    together = project(np.vstack([A, G]), scale)
+    stacked = np.concatenate([b, -g])
+    v = closest_velocities(together, M, np.zeros(moving.size), stacked)
+    speed = max(float(np.abs(v * scale).max()), float(np.abs(g).max(initial=0.0)), 1e-300)
+    defect = together.A @ v + stacked
+    worst = float(np.abs(defect).max(initial=0.0))
+    if worst > ROUND_OFF * speed:
+        alone = project(A, scale)
+        gap = alone.inconsistency(b)
+        if np.abs(gap).max(initial=0.0) > SMALL * speed:
+            row = int(np.argmax(np.abs(gap)))
+            owner = system.liaison_entries[system.liaisons.row_owner[row]].name
+            raise ModelError(
+                f"no velocity satisfies all joints and drivers: {system.row_name(row)} is off by {abs(gap[row]):.3g}",
+                path=f"joints.{owner}",
+                remedy="two drivers contradict each other, or one drives a motion that the joints lock",
+            )
+        if owners:
+            start = closest_velocities(project(G, scale), M, v, -g)
+            v = closest_velocities(alone, M, start, b)
+            change = np.abs(G @ v - g)
+            row = int(np.argmax(change))
+            if change[row] > SMALL * speed:
+                raise ModelError(
+                    f"the initial velocity contradicts the joints: off by {change[row]:.3g} of {speed:.3g} m/s or rad/s",
+                    path=f"bodies.{owners[row]}.velocity",
+                    remedy="give the velocity to fewer bodies: those without one follow from the joints",
+                )
+            notes.append(f"initial velocities were changed by up to {change[row]:.2g} to satisfy the joints")
+    motion.v[moving] = v
+
+
+def _given_rates(system: System) -> NDArray[np.int64]:
+    """Which small coordinates are rates of Ritz bodies whose initial values are given."""
+    parts = [np.empty(0, dtype=np.int64)]
+    for entry in system.body_entries:
+        body = system.model.bodies.get(entry.name)
+        if isinstance(body, RitzBody) and body.initial is not None:
+            parts.append(np.arange(system.bodies.offset[entry.index] + 6, system.bodies.offset[entry.index + 1]))
+    return np.concatenate(parts)
+
+
+def _owner(system: System, coordinate: int) -> str:
+    """The body that a small coordinate belongs to."""
+    index = int(np.searchsorted(system.bodies.offset, coordinate, side="right")) - 1
+    return next(entry.name for entry in system.body_entries if entry.index == index)
+
+
+def _given(system: System, motion: MotionState, moving: NDArray[np.int64]) -> tuple[Array, Array, list[str]]:
+    """Rows G v = g of the velocities that the model gives, and the body that each belongs to."""
+    G, g, owners = [], [], []
+    place = {int(c): k for k, c in enumerate(moving)}
+    for entry in system.body_entries:
+        body = system.model.bodies.get(entry.name)
+        if body is None or system.bodies.floating[entry.index] == 0:
+            continue
+        R = motion.rotation[entry.index]
+        first = place[int(system.bodies.offset[entry.index])]
+        for shift, value in ((0, body.velocity.linear), (3, body.velocity.angular)):
+            if value is None:
+                continue
+            for i in range(3):
+                row = np.zeros(moving.size)
+                row[first + shift : first + shift + 3] = R[i]
+                G.append(row)
+                g.append(value[i])
+                owners.append(entry.name)
+    return np.array(G).reshape(-1, moving.size), np.array(g), owners

@@ -1,0 +1,302 @@
+"""The quasi-static start: elastic bodies in balance with the inertia and joint forces of the rigid motion (Theory §2).
+
+A part that starts undeformed under finite loads rings with the full amplitude of its forces, however stiff it is.
+So u is found from ``Pᵀ(K u + M a) = liaison forces`` with the relative accelerations left out, and u̇ as the
+rate of that u along the motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maggi.bodies.kernels import attachment_motion, inertia_residual
+from maggi.bodies.motions import prescribe
+from maggi.bodies.tables import FIXED, MESH, RITZ, MotionState
+from maggi.elements.products import stiffness_product
+from maggi.forces.kernels import applied_forces
+from maggi.liaisons.kernels import evaluate_rows
+from maggi.linalg.factor import Factor, factorise
+from maggi.model.bodies import RitzBody
+from maggi.model.errors import SimulationError
+from maggi.stepping.allocate import copy_motion
+from maggi.stepping.kernels import move
+from maggi.stepping.mesh_step import MeshStep
+from maggi.system.dense import dense_mass, dense_rows, floating_velocities, new_attachments, new_rows
+from maggi.system.system import System
+
+Array = NDArray[np.float64]
+
+ATTEMPTS = 40
+REGULARISATION = 1e-7  # of the lowest elastic eigenvalue: K + s M, refined with K itself
+SETTLED = 1e-10
+
+
+@dataclass(frozen=True, eq=False)
+class _Static:
+    """A body's static response: elastic small coordinates from forces on them, with 6 rigid motions if not floating.
+
+    W (n_e, n_e): static compliance; rigid (n_e, k): elastic coordinates of rigid motions, k = 6 or 0.
+    """
+
+    index: int
+    W: Array
+    rigid: Array
+
+
+class QuasiStatic:
+    """Static balance of all elastic bodies of a system at a given motion of the frames."""
+
+    def __init__(self, system: System, meshes: list[MeshStep]) -> None:
+        self._system = system
+        self._meshes = {mesh.index: mesh for mesh in meshes}
+        self._factors: dict[int, Factor] = {}
+        self._Y: dict[int, Array] = {}
+        self._bodies = [self._static(b) for b in _elastic(system)]
+        self._multipliers = np.zeros(system.rows)
+        self._twist_rates = np.zeros(system.coordinates)
+
+    def deform(self, motion: MotionState, t: float) -> dict[int, Array]:
+        """Put `motion` in balance at time t: positions, elastic coordinates and frames' accelerations, in place.
+
+        Returns the meshed bodies' displacements u by row. Raises SimulationError where there is no balance.
+        """
+        system = self._system
+        moving = floating_velocities(system)
+        fields = {index: mesh.u.copy() for index, mesh in self._meshes.items()}
+        change = np.inf
+        for _ in range(ATTEMPTS):
+            before = motion.e.copy()
+            fields = self._improve(motion, t, moving, fields)
+            reach = float(np.abs(motion.e).max(initial=0.0))
+            change = float(np.abs(motion.e - before).max(initial=0.0))
+            if not np.isfinite(change):
+                break
+            if change <= SETTLED * max(reach, 1e-12 * system.size):
+                return fields
+        raise SimulationError(
+            f"no static balance of the elastic bodies was found at the start (last change {change:.3g} m); "
+            "use `start: undeformed`, or check that the joints hold every prescribed body"
+        )
+
+    def _improve(
+        self, motion: MotionState, t: float, moving: NDArray[np.int64], fields: dict[int, Array]
+    ) -> dict[int, Array]:
+        """One step of Newton's method on frames' accelerations, liaison forces, elastic and rigid displacements."""
+        system = self._system
+        bodies, n, r = system.bodies, system.coordinates, system.rows
+        motion.vd[moving] = self._twist_rates[moving]
+        rows = dense_rows(system, motion, t)
+        holonomic = system.liaisons.holonomic == 1
+        loads = self._loads(motion, t)
+        residual, free = self._inertia(motion, fields)
+        applied = rows.A.T @ self._multipliers - loads
+        # elastic coordinates that the present inertia alone gives, e₀, and per unit multipliers
+        target = np.zeros(n)
+        compliance = np.zeros((n, n))
+        rigid_columns, rigid_rows = [], []
+        for body in self._bodies:
+            part = slice(bodies.offset[body.index] + 6, bodies.offset[body.index + 1])
+            compliance[part, part] = body.W
+            target[part] = free[body.index][1] - body.W @ applied[part]
+            for k in range(body.rigid.shape[1]):
+                column = np.zeros(n)
+                column[part] = body.rigid[:, k]
+                rigid_columns.append(column)
+                rigid_rows.append(free[body.index][2][k] + column @ applied)
+        Phi_e = np.array(rigid_columns).reshape(-1, n).T
+        A_t, A_e = rows.A[:, moving], rows.A.copy()
+        A_e[:, moving] = 0.0
+        nt, k = moving.size, Phi_e.shape[1]
+        h = int(holonomic.sum())
+        matrix = np.zeros((nt + r + h + k, nt + r + nt + k))
+        right = np.zeros(nt + r + h + k)
+        frame, force, shift, drift = (
+            slice(0, nt),
+            slice(nt, nt + r),
+            slice(nt + r, 2 * nt + r),
+            slice(2 * nt + r, 2 * nt + r + k),
+        )
+        first, second, third, fourth = (
+            slice(0, nt),
+            slice(nt, nt + r),
+            slice(nt + r, nt + r + h),
+            slice(nt + r + h, nt + r + h + k),
+        )
+        matrix[first, frame] = dense_mass(system, motion)[np.ix_(moving, moving)]
+        matrix[first, force] = A_t.T
+        right[first] = -(residual + applied)[moving]
+        matrix[second, frame] = A_t
+        right[second] = -rows.acceleration
+        matrix[third, force] = -(A_e @ compliance @ rows.A.T)[holonomic]
+        matrix[third, shift] = A_t[holonomic]
+        matrix[third, drift] = (A_e @ Phi_e)[holonomic]
+        right[third] = -(rows.position + A_e @ (target - motion.e))[holonomic]
+        matrix[fourth, force] = Phi_e.T @ A_e.T
+        right[fourth] = -np.array(rigid_rows)
+        x = _least_squares(matrix, right)
+        self._twist_rates[moving] += x[frame]
+        motion.vd[moving] = self._twist_rates[moving]
+        self._multipliers += x[force]
+        applied = rows.A.T @ self._multipliers - loads
+        increment = np.zeros(n)
+        increment[moving] = x[shift]
+        move(bodies, copy_motion(motion), increment, motion)
+        result = {}
+        cursor = 0
+        for body in self._bodies:
+            part = slice(bodies.offset[body.index] + 6, bodies.offset[body.index + 1])
+            a = x[drift][cursor : cursor + body.rigid.shape[1]]
+            cursor += body.rigid.shape[1]
+            motion.e[part] = free[body.index][1] - body.W @ applied[part] + body.rigid @ a
+            if body.index in self._meshes:
+                u = free[body.index][0] - self._Y[body.index] @ applied[part]
+                if a.size:
+                    u = u + self._meshes[body.index].body.Phi @ a
+                result[body.index] = u
+        return result
+
+    def _loads(self, motion: MotionState, t: float) -> Array:
+        system = self._system
+        attachments = new_attachments(system.bodies.attachment_body.size)
+        rows = new_rows(system)
+        attachment_motion(system.bodies, motion, attachments)
+        evaluate_rows(system.liaisons, system.bodies, motion, attachments, t, rows)
+        Q = np.zeros(system.coordinates)
+        applied_forces(
+            system.forces, system.bodies, system.liaisons, motion, attachments, rows, t, Q, np.zeros(3)
+        )
+        return Q
+
+    def _inertia(
+        self, motion: MotionState, fields: dict[int, Array]
+    ) -> tuple[Array, dict[int, tuple[Array, Array, Array]]]:
+        """Frames' residuals, and each elastic body's free static response: field, small coordinates, rigid forces."""
+        system = self._system
+        bodies, gravity = system.bodies, system.forces.gravity
+        residual = np.zeros(system.coordinates)
+        for b in range(bodies.kind.size):
+            if bodies.kind[b] in (FIXED, MESH):
+                continue
+            inertia_residual(bodies, b, motion, gravity, residual[bodies.offset[b] : bodies.offset[b + 1]])
+        free: dict[int, tuple[Array, Array, Array]] = {}
+        for body in self._bodies:
+            o, e = int(bodies.offset[body.index]), int(bodies.offset[body.index + 1])
+            if body.index not in self._meshes:
+                n = e - o - 6
+                q = int(bodies.ritz_square[body.index])
+                k = bodies.k[q : q + n * n].reshape(n, n)
+                inertia = residual[o + 6 : e] - k @ motion.e[o + 6 : e]
+                free[body.index] = (np.empty(0), -body.W @ inertia, np.empty(0))
+                continue
+            mesh = self._meshes[body.index]
+            zero = np.zeros(mesh.body.size)
+            nodal, frame = np.empty(mesh.body.size), np.empty(6)
+            v, w = motion.v[o : o + 3], motion.v[o + 3 : o + 6]
+            a_O = motion.vd[o : o + 3] + np.cross(w, v) - motion.rotation[body.index].T @ gravity
+            mesh.body.inertia.residual(
+                a_O, w, motion.vd[o + 3 : o + 6], fields[body.index], zero, zero, nodal, frame
+            )
+            residual[o : o + 6] = frame
+            u = -self._solve(body.index, nodal)
+            rigid = mesh.body.Phi.T @ nodal if body.rigid.shape[1] else np.empty(0)
+            free[body.index] = (u, np.asarray(mesh.body.B.T @ u), rigid)
+        return residual, free
+
+    def _static(self, b: int) -> _Static:
+        bodies = self._system.bodies
+        if b not in self._meshes:
+            n = int(bodies.offset[b + 1] - bodies.offset[b]) - 6
+            q = int(bodies.ritz_square[b])
+            W = np.linalg.pinv(bodies.k[q : q + n * n].reshape(n, n), rcond=1e-12, hermitian=True)
+            return _Static(b, W, np.empty((n, 0)))
+        body = self._meshes[b].body
+        # any shift far below the elastic spectrum will do; the solution is refined with K itself
+        trial = body.K.diagonal().max() / body.inertia.matrix.diagonal().max()
+        self._factors[b] = factorise(body.K + (REGULARISATION * 1e-3 * trial) * body.inertia.matrix)
+        columns = [self._solve(b, column) for column in body.B.toarray().T]
+        self._Y[b] = np.array(columns).T.reshape(body.size, -1)
+        W = body.B.T @ self._Y[b]
+        rigid = np.zeros((W.shape[0], 0)) if body.floating else np.asarray(body.B.T @ body.Phi)
+        return _Static(b, 0.5 * (W + W.T), rigid)
+
+    def _solve(self, b: int, force: Array) -> Array:
+        """P K⁺ Pᵀ force, refined."""
+        body = self._meshes[b].body
+        inverse = np.linalg.inv(body.J6)
+        force = force - body.C @ (inverse @ (body.Phi.T @ force))
+        u = np.zeros(body.size)
+        product = np.empty(body.size)
+        for _ in range(4):
+            stiffness_product(body.K, u, product)
+            defect = force - product
+            defect -= body.C @ (inverse @ (body.Phi.T @ defect))
+            step = self._factors[b].solve(defect)
+            step -= body.Phi @ (inverse @ (body.C.T @ step))
+            u += step
+            if np.linalg.norm(step) <= 1e-13 * np.linalg.norm(u):
+                break
+        return u
+
+
+def quasi_static_start(system: System, motion: MotionState, meshes: list[MeshStep], dt: float) -> None:
+    """Set u, u̇ of the meshes, and e, ė of `motion`, to the static balance along the motion that starts at t = 0.
+
+    dt (s): the difference step of the rates. The motion is continued with the accelerations of the balance.
+    """
+    static = QuasiStatic(system, meshes)
+    fields = static.deform(motion, 0.0)
+    moving = floating_velocities(system)
+    states = [(motion.e.copy(), fields)]
+    for k in (1, 2):
+        ahead = copy_motion(motion)
+        increment = np.zeros(system.coordinates)
+        increment[moving] = k * dt * motion.v[moving] + 0.5 * (k * dt) ** 2 * motion.vd[moving]
+        move(system.bodies, motion, increment, ahead)
+        ahead.v[moving] = motion.v[moving] + k * dt * motion.vd[moving]
+        prescribe(system.motions, system.bodies, k * dt, ahead)
+        field = static.deform(ahead, k * dt)
+        states.append((ahead.e.copy(), field))
+    weights = (-1.5 / dt, 2.0 / dt, -0.5 / dt)
+    elastic = np.setdiff1d(np.flatnonzero(_elastic_mask(system)), moving)
+    motion.v[elastic] = sum(w * state[0] for w, state in zip(weights, states, strict=True))[elastic]
+    for mesh in meshes:
+        mesh.u = fields[mesh.index].copy()
+        mesh.ud = sum(w * state[1][mesh.index] for w, state in zip(weights, states, strict=True))
+
+
+def _elastic(system: System) -> list[int]:
+    """Rows of the bodies that are to be deformed: those with elastic coordinates and no initial values of their own."""
+    bodies = system.bodies
+    given = {
+        entry.index
+        for entry in system.body_entries
+        if isinstance(body := system.model.bodies.get(entry.name), RitzBody) and body.initial is not None
+    }
+    return [
+        b
+        for b in range(bodies.kind.size)
+        if bodies.kind[b] in (RITZ, MESH) and bodies.offset[b + 1] - bodies.offset[b] >= 6 and b not in given
+    ]
+
+
+def _elastic_mask(system: System) -> NDArray[np.bool_]:
+    mask = np.zeros(system.coordinates, dtype=bool)
+    for b in _elastic(system):
+        mask[system.bodies.offset[b] + 6 : system.bodies.offset[b + 1]] = True
+    return mask
+
+
+def _least_squares(matrix: Array, right: Array) -> Array:
+    """Minimum-norm least squares after equilibration: unknowns and equations are of very different units."""
+    rows, columns = np.ones(matrix.shape[0]), np.ones(matrix.shape[1])
+    for _ in range(6):
+        scaled = np.abs(rows[:, None] * matrix * columns)
+        high = scaled.max(axis=1, initial=0.0)
+        rows /= np.sqrt(np.where(high > 0.0, high, 1.0))
+        high = scaled.max(axis=0, initial=0.0)
+        columns /= np.sqrt(np.where(high > 0.0, high, 1.0))
+    solution = np.linalg.lstsq(rows[:, None] * matrix * columns, rows * right, rcond=1e-13)[0]
+    return np.asarray(columns * solution)

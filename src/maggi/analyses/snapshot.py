@@ -1,0 +1,136 @@
+"""What the results keep of a system: its layout once, and a row at every output time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maggi.bodies.kernels import small_body_energy
+from maggi.bodies.tables import MESH, RITZ
+from maggi.stepping.mesh_step import MeshStep
+from maggi.stepping.stepper import Stepper
+from maggi.system.system import LiaisonEntry, System
+
+from .recorder import BodyLayout, Layout, Row
+
+Array = NDArray[np.float64]
+
+KINDS = {RITZ: "ritz", MESH: "mesh"}
+
+
+def layout(system: System, rows: int, attributes: dict[str, str | float | int]) -> Layout:
+    """The shape of every row of a run."""
+    visible = visible_liaisons(system)
+    bodies = []
+    for entry in system.body_entries:
+        if not entry.visible:
+            continue
+        mesh = system.mesh_bodies.get(entry.index)
+        kind = KINDS.get(int(system.bodies.kind[entry.index]), "rigid")
+        bodies.append(
+            BodyLayout(
+                entry.name,
+                kind,
+                tuple(a.name for a in system.attachment_entries if a.body == entry.name),
+                nodes=None if mesh is None else mesh.mesh.nodes,
+                cells=None if mesh is None else mesh.mesh.cells,
+                modes=_elastic(system, entry.index) if kind == "ritz" else 0,
+            )
+        )
+    return Layout(
+        tuple(bodies), tuple(e.name for e in visible), tuple(len(e.coordinates) for e in visible), rows, attributes
+    )
+
+
+def visible_liaisons(system: System) -> list[LiaisonEntry]:
+    """The joints and drivers of the model, without those that the program added."""
+    return [entry for entry in system.liaison_entries if entry.visible]
+
+
+class Snapshots:
+    """Makes rows of a stepper's present state."""
+
+    def __init__(self, stepper: Stepper) -> None:
+        system = stepper.system
+        self._stepper = stepper
+        self._bodies = [entry for entry in system.body_entries if entry.visible]
+        order = [
+            [a.index for a in system.attachment_entries if a.body == entry.name] for entry in self._bodies
+        ]
+        self._attachments = np.array([index for part in order for index in part], dtype=np.int64)
+        self._indices = np.array([entry.index for entry in self._bodies], dtype=np.int64)
+        self._liaisons = visible_liaisons(system)
+        self._meshes: dict[int, MeshStep] = {mesh.index: mesh for mesh in stepper.meshes}
+
+    def row(self, t: float) -> Row:
+        """The present state at time t."""
+        stepper, system = self._stepper, self._stepper.system
+        state = stepper.state
+        motion, at = state.now, state.attachments
+        force, torque = self._joint_forces()
+        bodies = system.bodies
+        modal = tuple(
+            motion.e[bodies.offset[b] + 6 : bodies.offset[b + 1]].copy()
+            for b in self._indices
+            if bodies.kind[b] == RITZ
+        )
+        displacement = tuple(
+            self._meshes[int(b)].body.nodal_displacement(self._meshes[int(b)].u)
+            for b in self._indices
+            if bodies.kind[b] == MESH
+        )
+        chosen = self._attachments
+        return Row(
+            t,
+            motion.origin[self._indices],
+            motion.rotation[self._indices],
+            at.position[chosen],
+            at.rotation[chosen],
+            at.velocity[chosen],
+            at.angular_velocity[chosen],
+            displacement,
+            modal,
+            force,
+            torque,
+            tuple(state.rows.coordinate[entry.coordinates] for entry in self._liaisons),
+            self.energies(),
+            stepper.residuals(),
+            stepper.last_iterations,
+        )
+
+    def energies(self) -> Array:
+        """Kinetic, strain (springs included), gravity energy, energy dissipated, work (5,), J."""
+        stepper = self._stepper
+        state, gravity = stepper.state, stepper.small.forces.gravity
+        small = np.zeros(4)
+        small_body_energy(stepper.small.bodies, state.now, gravity, small)
+        result = np.array([small[0], small[1] + state.power[0], small[2], state.work[1], state.work[0]])
+        for mesh in stepper.meshes:
+            result[:3] += mesh.energies(state.now, gravity)
+        return result
+
+    def largest_rotation(self) -> tuple[float, str]:
+        """The largest elastic rotation |θ| (rad) of a mesh attachment, and which attachment it is."""
+        system, e = self._stepper.system, self._stepper.state.now.e
+        largest, name = 0.0, ""
+        for index, mesh in self._meshes.items():
+            o = system.bodies.offset[index] + 6
+            for k, coupling in enumerate(mesh.body.couplings):
+                angle = float(np.linalg.norm(e[o + 6 * k + 3 : o + 6 * k + 6]))
+                if angle > largest:
+                    largest, name = angle, f"{mesh.body.name}.{coupling.name}"
+        return largest, name
+
+    def _joint_forces(self) -> tuple[Array, Array]:
+        """Force and torque of first on second at the joint's point on second, global (T11): minus the row's share in Aᵀλ."""
+        state = self._stepper.state
+        force, torque = np.zeros((len(self._liaisons), 3)), np.zeros((len(self._liaisons), 3))
+        for j, entry in enumerate(self._liaisons):
+            multipliers = state.multipliers[entry.rows]
+            force[j] = -multipliers @ state.rows.force[entry.rows, 1]
+            torque[j] = -multipliers @ state.rows.moment[entry.rows, 1]
+        return force, torque
+
+
+def _elastic(system: System, body: int) -> int:
+    return int(system.bodies.offset[body + 1] - system.bodies.offset[body]) - 6

@@ -1,0 +1,325 @@
+"""A transient run: start, steps, rows, progress; smaller steps where the iteration fails, a message where it cannot."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maggi.bodies.mesh_body import MeshBody
+from maggi.model.bodies import ElasticBody
+from maggi.model.errors import ModelError, SimulationError
+from maggi.model.model import Model
+from maggi.model.simulation import Simulation
+from maggi.stepping.stepper import Counts, Stepper
+from maggi.system.build import RecordedMotion, build_system, has_recorded_motion
+from maggi.system.system import System
+
+from .initial import initial_motion, set_velocities
+from .quasi_static import quasi_static_start
+from .recorder import Progress, Recorder
+from .snapshot import Snapshots, layout
+
+Array = NDArray[np.float64]
+
+HALVINGS = 6  # a step that fails is tried in up to 2⁶ parts
+LARGE_ROTATION = 0.2  # rad; beyond it the linear-elastic floating frame ends (Theory §3)
+CHUNK_SECONDS = 0.1  # of compiled steps between two looks at progress and interrupts
+
+
+@dataclass(frozen=True, eq=False)
+class RunSummary:
+    """How a run went.
+
+    iterations : corrections of the small system. residuals (3,): the largest scaled liaison residuals of the stored
+    rows. energy_balance : the largest |T + U + G + dissipated − work − start| over the energy exchanged; numerical_loss
+    (J): the same at the end with its sign, what ρ∞ < 1 and the step's error have taken (positive) or given.
+    """
+
+    steps: int
+    iterations: int
+    back_substitutions: int
+    factorisations: int
+    restarts: int
+    residuals: Array
+    energy_balance: float
+    numerical_loss: float
+    warnings: tuple[str, ...]
+    seconds: float
+    timings: dict[str, float] = field(default_factory=dict)
+
+
+class Silent:
+    """Progress for nobody."""
+
+    def stage(self, text: str) -> None:
+        """See `Progress.stage`."""
+
+    def advance(self, step: int, steps: int, time: float, note: str) -> None:
+        """See `Progress.advance`."""
+
+
+def run(model: Model, recorder: Recorder, progress: Progress | None = None, *, exact: bool = False) -> RunSummary:
+    """Simulate a model; rows go to `recorder`, whose `end` is called however the run ends.
+
+    exact : iterate every step to round-off (for comparisons).
+
+    Raises ModelError for a mistake in the model, SimulationError for a run that cannot go on, KeyboardInterrupt
+    after an interrupt.
+    """
+    progress = progress or Silent()
+    began = time.perf_counter()
+    try:
+        return _Run(model, recorder, progress, exact).run(began)
+    except KeyboardInterrupt:
+        recorder.end("interrupted")
+        raise
+    except (SimulationError, ModelError) as error:
+        recorder.end(f"failed: {error}")
+        raise
+
+
+def prepare(
+    model: Model, progress: Progress | None = None, *, exact: bool = False
+) -> tuple[Stepper, Simulation, list[str], dict[str, float]]:
+    """A stepper at t = 0 with consistent positions, velocities, accelerations and forces, and what was noted."""
+    progress = progress or Silent()
+    simulation = model.simulation
+    if simulation is None:
+        raise ModelError(
+            "the model has no simulation", path="simulation", remedy="add `simulation: {duration: …, step: …}`"
+        )
+    if round(simulation.duration / simulation.step) < 1:
+        raise ModelError(
+            f"the duration {simulation.duration:g} s is shorter than a step of {simulation.step:g} s",
+            path="simulation.step",
+            remedy="make the step smaller or the duration longer",
+        )
+    notes: list[str] = []
+    timings: dict[str, float] = {}
+    clock = time.perf_counter()
+    meshes: dict[str, MeshBody] = {}
+    recorded = {}
+    following = has_recorded_motion(model)
+    if following:
+        recorded, meshes = rigid_run(model, following, progress)
+        timings["rigid run"] = time.perf_counter() - clock
+        clock = time.perf_counter()
+    system = build_system(model, recorded=recorded, meshes=meshes, announce=progress.stage)
+    timings["assembly"] = time.perf_counter() - clock
+    clock = time.perf_counter()
+    stepper = started(system, simulation, notes, progress.stage, exact=exact)
+    timings["start"] = time.perf_counter() - clock
+    return stepper, simulation, notes, timings
+
+
+def started(
+    system: System, simulation: Simulation, notes: list[str], announce: Callable[[str], None], *, exact: bool = False
+) -> Stepper:
+    """A stepper at the initial state."""
+    gravity = float(np.linalg.norm(system.forces.gravity))
+    slowest = 1e-3 * system.size / simulation.duration
+    stepper = Stepper(
+        system,
+        simulation.rho_inf,
+        simulation.tolerance,
+        slowest,
+        max(gravity, slowest / simulation.duration),
+        exact=exact,
+        announce=announce,
+    )
+    announce("finding the initial state")
+    motion = initial_motion(system, notes)
+    if simulation.start == "quasi-static" and stepper.has_elastic():
+        quasi_static_start(system, motion, stepper.meshes, simulation.step)
+        set_velocities(system, motion, notes)
+    for target, source in zip(stepper.state.now, motion, strict=True):
+        target[:] = source
+    stepper.start_accelerations(0.0)
+    return stepper
+
+
+def rigid_run(
+    model: Model, following: list[str], progress: Progress
+) -> tuple[dict[str, RecordedMotion], dict[str, MeshBody]]:
+    """The motion of frames in a run of the same mechanism with all its elastic bodies rigid."""
+    progress.stage("running the mechanism with rigid bodies")
+    simulation = model.simulation
+    assert simulation is not None
+    elastic = frozenset(name for name, body in model.bodies.items() if isinstance(body, ElasticBody))
+    meshes: dict[str, MeshBody] = {}
+    system = build_system(model, rigid=elastic, meshes=meshes, announce=progress.stage)
+    stepper = started(system, simulation, [], progress.stage)
+    driver = _Advance(stepper, simulation)
+    steps = round(simulation.duration / simulation.step)
+    frames = {name: system.body(name).index for name in following}
+    history: dict[str, list[tuple[Array, ...]]] = {name: [] for name in following}
+    for k in range(steps + 1):
+        if k:
+            driver.steps(k - 1, 1)
+        motion = stepper.state.now
+        for name, b in frames.items():
+            o = int(system.bodies.offset[b])
+            history[name].append(
+                (
+                    motion.origin[b].copy(),
+                    motion.rotation[b].copy(),
+                    motion.v[o : o + 6].copy(),
+                    motion.vd[o : o + 6].copy(),
+                )
+            )
+    return {
+        name: RecordedMotion(simulation.step, *(np.array(part) for part in zip(*rows, strict=True)))
+        for name, rows in history.items()
+    }, meshes
+
+
+class _Advance:
+    """Nominal steps, halved where the iteration fails."""
+
+    def __init__(self, stepper: Stepper, simulation: Simulation) -> None:
+        self._stepper = stepper
+        self._h = simulation.step
+        self._stepper.set_step(self._h)
+
+    def steps(self, first: int, count: int) -> None:
+        """Steps first … first + count − 1; raises SimulationError where even 2⁶ parts of one fail."""
+        done = self._stepper.advance(first * self._h, count)
+        while done < count:
+            self._in_parts(first + done)
+            done += 1
+            done += self._stepper.advance((first + done) * self._h, count - done)
+
+    def _in_parts(self, k: int) -> None:
+        stepper = self._stepper
+        whole = 2**HALVINGS
+        part, position = whole, 0
+        while position < whole:
+            if part == 1 and stepper.coefficients.h <= self._h / whole:
+                raise stepper.failure(self._h * (k + (position + 1) / whole))
+            part //= 2
+            stepper.counts.restarts += 1
+            stepper.set_step(self._h * part / whole)
+            count = (whole - position) // part
+            position += part * stepper.advance(self._h * (k + position / whole), count)
+        stepper.set_step(self._h)
+
+
+class _Run:
+    """One run from start to end."""
+
+    def __init__(self, model: Model, recorder: Recorder, progress: Progress, exact: bool) -> None:
+        self._model = model
+        self._recorder = recorder
+        self._progress = progress
+        self._exact = exact
+        self._residuals = np.zeros(3)
+        self._energies: list[Array] = []
+        self._rotation = (0.0, "")
+
+    def run(self, began: float) -> RunSummary:
+        stepper, simulation, notes, timings = prepare(self._model, self._progress, exact=self._exact)
+        self._snapshots = Snapshots(stepper)
+        steps = round(simulation.duration / simulation.step)
+        every = self._model.outputs.every
+        rows = 1 + -(-steps // every)
+        self._recorder.begin(layout(stepper.system, rows, self._attributes(simulation)))
+        clock = time.perf_counter()
+        self._write(0.0)
+        advance = _Advance(stepper, simulation)
+        timings["factorisation"] = time.perf_counter() - clock
+        clock = time.perf_counter()
+        writing = self._loop(stepper, advance, simulation, steps, every)
+        timings["steps"] = time.perf_counter() - clock - writing
+        timings["rows"] = writing
+        self._recorder.end("complete")
+        if self._rotation[0] > LARGE_ROTATION:
+            notes.append(
+                f"attachment {self._rotation[1]} turns by up to {self._rotation[0]:.2g} rad relative to its body: "
+                "beyond about 0.2 rad a linear-elastic body on a floating frame is no longer accurate"
+            )
+        balance, loss = _balance(np.array(self._energies))
+        return _summary(
+            stepper.counts, self._residuals, balance, loss, notes, time.perf_counter() - began, timings
+        )
+
+    def _loop(self, stepper: Stepper, advance: _Advance, simulation: Simulation, steps: int, every: int) -> float:
+        done = 0
+        chunk, writing = 1, 0.0
+        shown = time.perf_counter()
+        while done < steps:
+            until = min(steps, (done // every + 1) * every)
+            count = min(chunk, until - done)
+            began = time.perf_counter()
+            advance.steps(done, count)
+            now = time.perf_counter()
+            if count == chunk:
+                # grow until a chunk takes long enough to make the call's own cost vanish
+                chunk = max(1, min(2 * chunk, int(chunk * CHUNK_SECONDS / max(now - began, 1e-6))))
+            done += count
+            if done == until:
+                self._write(done * simulation.step)
+                writing += time.perf_counter() - now
+            if now - shown > 0.1 or done == steps:
+                shown = now
+                per_step = stepper.counts.back_substitutions / max(1, stepper.counts.steps)
+                note = f"{per_step:.2f} solves a step" if stepper.meshes else ""
+                self._progress.advance(done, steps, done * simulation.step, note)
+        return writing
+
+    def _write(self, t: float) -> None:
+        row = self._snapshots.row(t)
+        self._residuals = np.maximum(self._residuals, row.residuals)
+        self._energies.append(row.energy)
+        self._rotation = max(self._rotation, self._snapshots.largest_rotation())
+        self._recorder.write(row)
+
+    def _attributes(self, simulation: Simulation) -> dict[str, str | float | int]:
+        text = self._model.text
+        return {
+            "title": self._model.title,
+            "model": text,
+            "model_sha256": hashlib.sha256(text.encode()).hexdigest(),
+            "duration": simulation.duration,
+            "step": simulation.step,
+            "rho_inf": simulation.rho_inf,
+            "tolerance": simulation.tolerance,
+            "method": simulation.method,
+            "start": simulation.start,
+        }
+
+
+def _balance(energies: Array) -> tuple[float, float]:
+    """Largest defect of the energy balance over the energy exchanged, and the energy lost at the end (J)."""
+    total = energies[:, :4].sum(axis=1) - energies[:, 4]
+    exchanged = float(np.ptp(energies, axis=0).max())
+    defect = total - total[0]
+    return (float(np.abs(defect).max()) / exchanged if exchanged > 0.0 else 0.0), float(-defect[-1])
+
+
+def _summary(
+    counts: Counts,
+    residuals: Array,
+    balance: float,
+    loss: float,
+    notes: list[str],
+    seconds: float,
+    timings: dict[str, float],
+) -> RunSummary:
+    return RunSummary(
+        counts.steps,
+        counts.corrections,
+        counts.back_substitutions,
+        counts.factorisations,
+        counts.restarts,
+        residuals,
+        balance,
+        loss,
+        tuple(notes),
+        seconds,
+        timings,
+    )

@@ -1,0 +1,420 @@
+"""Model ─► System: meshes are read and assembled, joints placed, everything numbered and packed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maggi.bodies.mesh_body import MeshBody, build_mesh_body
+from maggi.bodies.motions import MotionTable
+from maggi.forces.tables import ForceTable
+from maggi.liaisons.registry import JOINTS, JointKind
+from maggi.model.bodies import Body, ElasticBody, GivenMotion, RigidBody, RigidRunMotion, RitzBody
+from maggi.model.errors import ModelError
+from maggi.model.expression import expression
+from maggi.model.forces import PointLoad, SpringDamper, TorsionSpring
+from maggi.model.joints import GROUND, Driver, End, Joint
+from maggi.model.model import Model
+
+from .body_list import BodyList, initial_pose
+from .liaison_list import LiaisonList, joint_kind
+from .packing import FunctionList, integers, numbers
+from .system import AttachmentEntry, BodyEntry, System
+
+Array = NDArray[np.float64]
+Announce = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedMotion:
+    """The motion of a body's frame at equidistant times: origin (n, 3), rotation (n, 3, 3), twist and rate (n, 6)."""
+
+    step: float
+    origin: Array
+    rotation: Array
+    twist: Array
+    rate: Array
+
+
+def build_system(
+    model: Model,
+    *,
+    recorded: Mapping[str, RecordedMotion] | None = None,
+    rigid: frozenset[str] = frozenset(),
+    meshes: Mapping[str, MeshBody] | None = None,
+    announce: Announce = lambda text: None,
+) -> System:
+    """Everything a computation needs, from a description.
+
+    recorded : motions for bodies whose frame moves as in another run. rigid : elastic bodies to be taken as
+    rigid. meshes : meshed bodies already built, by name. announce : told what takes long.
+
+    Raises ModelError for whatever cannot be built, naming the body, joint or force.
+    """
+    return _Builder(model, recorded or {}, rigid, meshes or {}, announce).build()
+
+
+class _Builder:
+    """The lists that grow while a model is read."""
+
+    def __init__(
+        self,
+        model: Model,
+        recorded: Mapping[str, RecordedMotion],
+        rigid: frozenset[str],
+        meshes: Mapping[str, MeshBody],
+        announce: Announce,
+    ) -> None:
+        self._model = model
+        self._recorded = recorded
+        self._rigid = rigid
+        self._given_meshes = meshes
+        self._announce = announce
+        self._bodies = BodyList()
+        self._liaisons = LiaisonList(self._bodies)
+        self._body_index: dict[str, int] = {GROUND: 0}
+        self._body_entries: list[BodyEntry] = []
+        self._attachments: dict[tuple[str, str], int] = {}
+        self._attachment_entries: list[AttachmentEntry] = []
+        self._mesh_bodies: dict[int, MeshBody] = {}
+        self._given: list[tuple[int, GivenMotion, Array, Array]] = []
+        self._replayed: list[tuple[int, RecordedMotion]] = []
+        self._extent: list[Array] = []
+
+    def build(self) -> System:
+        model = self._model
+        for name, body in model.bodies.items():
+            self._add_body(name, body)
+        for name, liaison in model.joints.items():
+            if isinstance(liaison, Joint):
+                self._add_joint(name, liaison)
+        for name, liaison in model.joints.items():
+            if isinstance(liaison, Driver):
+                self._liaisons.add_driver(name, liaison.joint, liaison.quantity, liaison.function)
+        forces = self._forces()
+        points = np.array(self._extent + self._bodies.centers())
+        size = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+        size = size if size > 0.0 else 1.0
+        table = self._bodies.table()
+        liaisons, entries = self._liaisons.finish(len(table.kind), table.offset)
+        return System(
+            model,
+            table,
+            self._motion_table(),
+            liaisons,
+            forces,
+            tuple(self._body_entries),
+            tuple(self._attachment_entries),
+            entries,
+            self._mesh_bodies,
+            size,
+            self._bodies.inertia_floor(size),
+            self._bodies.start(),
+        )
+
+    # bodies
+
+    def _add_body(self, name: str, body: Body) -> None:
+        if isinstance(body, RigidBody):
+            index = self._bodies.add_rigid(body)
+            self._name(name, index)
+            self._points(name, body, index)
+            if body.motion is not None:
+                self._prescribe(index, body, body.motion)
+        elif isinstance(body, RitzBody):
+            index = self._bodies.add_ritz(name, body)
+            self._name(name, index)
+            self._shape_points(name, body, index)
+            if body.motion is not None:
+                self._prescribe(index, body, body.motion)
+        else:
+            self._add_elastic(name, body)
+        for key, attachment in body.attachments.items():
+            for number, mass in enumerate(attachment.point_masses):
+                self._weld_mass(name, key, number, RigidBody(mass.mass, mass.offset, mass.inertia))
+
+    def _add_elastic(self, name: str, body: ElasticBody) -> None:
+        mesh = self._given_meshes.get(name)
+        if mesh is None:
+            self._announce(f"assembling {name}")
+            mesh = build_mesh_body(name, body, self._model.folder)
+        motion = body.motion
+        pose = initial_pose(body.pose, motion if isinstance(motion, GivenMotion) else None)
+        if name in self._rigid:
+            index = self._bodies.add_rigidified(mesh, pose)
+        else:
+            index = self._bodies.add_mesh(mesh, pose)
+            self._mesh_bodies[index] = mesh
+        self._name(name, index)
+        low, high = mesh.mesh.bounding_box()
+        self._extent += [self._bodies.to_global(index, low), self._bodies.to_global(index, high)]
+        count = len(mesh.couplings)
+        for k, coupling in enumerate(mesh.couplings):
+            psi = None
+            if index in self._mesh_bodies:
+                psi = np.zeros((6, 6 * count))
+                psi[:, 6 * k : 6 * k + 6] = np.eye(6)
+            self._attach(name, coupling.name, index, coupling.point, psi)
+        if motion is None or name in self._rigid:
+            return
+        helper = self._bodies.add_rigid(RigidBody(0.0, motion=GivenMotion()))
+        self._body_entries.append(BodyEntry(f"{name}.frame", helper, visible=False))
+        for target in (index, helper):
+            if isinstance(motion, GivenMotion):
+                self._prescribe(target, body, motion)
+            else:
+                self._replayed.append((target, self._recorded[name]))
+        for held in motion.held:
+            attachment = self._named(End(name, held), f"bodies.{name}.frame.held")
+            point = self._bodies.attachment_position(attachment)
+            self._liaisons.add_joint(
+                f"{name}.{held}.held",
+                JOINTS["weld"],
+                self._bodies.add_attachment(helper, pose[1].T @ (point - pose[0])),
+                attachment,
+                np.eye(3),
+                (f"{name}.frame", f"{name}.{held}"),
+                visible=False,
+            )
+
+    def _name(self, name: str, index: int) -> None:
+        self._body_index[name] = index
+        self._body_entries.append(BodyEntry(name, index))
+
+    def _attach(self, body: str, name: str, index: int, point: Array, psi: Array | None) -> None:
+        row = self._bodies.add_attachment(index, point, psi)
+        self._attachments[body, name] = row
+        self._attachment_entries.append(AttachmentEntry(body, name, row))
+        self._extent.append(self._bodies.attachment_position(row))
+
+    def _points(self, name: str, body: RigidBody, index: int) -> None:
+        for key, attachment in body.attachments.items():
+            if attachment.at is None:
+                raise ModelError(
+                    "an attachment of a rigid body needs a point",
+                    path=f"bodies.{name}.attachments.{key}",
+                    remedy="give `at: [x, y, z]` in the body's frame",
+                )
+            self._attach(name, key, index, np.array(attachment.at), None)
+
+    def _shape_points(self, name: str, body: RitzBody, index: int) -> None:
+        for key, attachment in body.attachments.items():
+            path = f"bodies.{name}.attachments.{key}"
+            if attachment.at is None:
+                raise ModelError(
+                    "an attachment of a Ritz body needs a point", path=path, remedy="give `at: [x, y, z]`"
+                )
+            point = np.array(attachment.at)
+            displacement = np.asarray(body.shapes(point[None]))[0]
+            rotation = np.zeros_like(displacement) if body.rotations is None else np.asarray(body.rotations(point[None]))[0]
+            if not (np.isfinite(displacement).all() and np.isfinite(rotation).all()):
+                raise ModelError("the shape functions are not finite here", path=path, remedy="move the attachment")
+            self._attach(name, key, index, point, np.vstack([displacement, rotation]))
+
+    def _weld_mass(self, body: str, key: str, number: int, mass: RigidBody) -> None:
+        """A point mass: a rigid body welded to its attachment."""
+        index = self._bodies.add_rigid(mass)
+        start = self._bodies.attachment_position(self._attachments[body, key])
+        rotation = self._bodies.rotation(self._body_index[body])
+        self._bodies.place(index, start, rotation)
+        name = f"{body}.{key}.mass{number + 1}"
+        self._body_entries.append(BodyEntry(name, index, visible=False))
+        self._liaisons.add_joint(
+            f"{name}.weld",
+            JOINTS["weld"],
+            self._attachments[body, key],
+            self._bodies.add_attachment(index, np.zeros(3)),
+            rotation,
+            (f"{body}.{key}", name),
+            visible=False,
+        )
+
+    def _prescribe(self, index: int, body: Body, motion: GivenMotion) -> None:
+        self._given.append((index, motion, np.array(body.pose.origin), np.array(body.pose.rotation)))
+
+    # joints
+
+    def _add_joint(self, name: str, joint: Joint) -> None:
+        path = f"joints.{name}"
+        kind = joint_kind(joint.kind, f"{path}.type")
+        ends = (joint.first, joint.second)
+        named = [end for end in ends if end.attachment is not None]
+        if joint.at is None and not named:
+            raise ModelError(
+                "the joint has no place", path=path, remedy="give `at: [x, y, z]` or name an attachment in `between`"
+            )
+        if len(named) == 2 and joint.at is not None:
+            p, q = (self._bodies.attachment_position(self._named(end, f"{path}.between")) for end in ends)
+            raise ModelError(
+                f"`at` is given though both attachments are named ({np.linalg.norm(q - p):.3g} m apart)",
+                path=f"{path}.at",
+                remedy="leave out `at`: the attachments say where the joint is",
+            )
+        if joint.at is not None:
+            place = np.array(joint.at)
+        else:
+            place = self._bodies.attachment_position(self._named(named[0], f"{path}.between"))
+        first, second = (self._marker(end, place, f"{path}.between") for end in ends)
+        self._extent.append(place)
+        self._liaisons.add_joint(
+            name, kind, first, second, _joint_frame(kind, joint, path), (str(joint.first), str(joint.second))
+        )
+
+    def _marker(self, end: End, place: Array, path: str) -> int:
+        """The attachment of a joint's end: the named one, or a point of a rigid body or of ground."""
+        if end.attachment is not None:
+            attachment = self._named(end, path)
+            gap = float(np.linalg.norm(place - self._bodies.attachment_position(attachment)))
+            index = self._body_index[end.body]
+            if gap == 0.0 or self._bodies.is_elastic(index):
+                return attachment
+            # the joint's point, on the same rigid body
+            return self._bodies.add_attachment(index, self._bodies.to_body(index, place))
+        index = self._index(end.body, path)
+        if self._bodies.is_elastic(index):
+            raise ModelError(
+                f"the elastic body {end.body!r} is joined without naming an attachment",
+                path=path,
+                remedy=f"write `{end.body}.<attachment>`: elastic bodies are joined at attachments only",
+            )
+        return self._bodies.add_attachment(index, self._bodies.to_body(index, place))
+
+    def _named(self, end: End, path: str) -> int:
+        self._index(end.body, path)
+        key = (end.body, end.attachment or "")
+        if key not in self._attachments:
+            has = [name for body, name in self._attachments if body == end.body]
+            raise ModelError(
+                f"body {end.body!r} has no attachment {end.attachment!r}",
+                path=path,
+                remedy=f"it has {', '.join(has)}" if has else "add it under `attachments:`",
+            )
+        return self._attachments[key]
+
+    def _index(self, body: str, path: str) -> int:
+        if body not in self._body_index:
+            raise ModelError(
+                f"there is no body {body!r}", path=path, remedy=f"bodies are {', '.join(self._body_index)}"
+            )
+        return self._body_index[body]
+
+    # forces
+
+    def _forces(self) -> ForceTable:
+        functions = FunctionList()
+        springs, spring_data, torsion, torsion_data, loads, load_kind = [], [], [], [], [], []
+        for name, force in self._model.forces.items():
+            path = f"forces.{name}"
+            if isinstance(force, PointLoad):
+                loads.append(self._force_point(force.on, f"{path}.on"))
+                load_kind.append((int(force.kind == "torque"), int(force.frame == "body")))
+                for component in force.value:
+                    functions.add(component)
+            elif isinstance(force, SpringDamper):
+                ends = [self._force_point(end, f"{path}.between") for end in (force.first, force.second)]
+                p, q = (self._bodies.attachment_position(end) for end in ends)
+                distance = float(np.linalg.norm(q - p))
+                if distance == 0.0:
+                    raise ModelError(
+                        "the spring's ends coincide, so it has no direction",
+                        path=f"{path}.between",
+                        remedy="move one end, or use a torsion spring",
+                    )
+                springs.append(ends)
+                spring_data.append((force.stiffness, force.damping, distance if force.length is None else force.length))
+            elif isinstance(force, TorsionSpring):
+                torsion.append(self._liaisons.coordinate(force.joint, "angle", f"{path}.joint"))
+                # coordinates are zero in the initial pose
+                torsion_data.append((force.stiffness, force.damping, force.angle or 0.0))
+        start, codes, values = functions.tables()
+        return ForceTable(
+            np.array(self._model.gravity, dtype=np.float64),
+            integers(springs, (-1, 2)),
+            numbers(spring_data, (-1, 3)),
+            integers(torsion),
+            numbers(torsion_data, (-1, 3)),
+            integers(loads),
+            integers(load_kind, (-1, 2)),
+            start,
+            codes,
+            values,
+        )
+
+    def _force_point(self, end: End, path: str) -> int:
+        if end.point is not None:
+            self._extent.append(np.array(end.point))
+            return self._bodies.add_attachment(0, np.array(end.point))
+        if end.attachment is not None:
+            return self._named(end, path)
+        index = self._index(end.body, path)
+        if self._bodies.is_elastic(index):
+            raise ModelError(
+                f"a force on the elastic body {end.body!r} needs an attachment",
+                path=path,
+                remedy=f"write `{end.body}.<attachment>`",
+            )
+        return self._bodies.add_attachment(index, np.zeros(3))
+
+    def _motion_table(self) -> MotionTable:
+        functions = FunctionList()
+        rotation, axes = [], []
+        for _, motion, origin, start in self._given:
+            for i in range(3):
+                functions.add(expression(float(origin[i])) if motion.origin is None else motion.origin[i])
+            functions.add(expression(0.0) if motion.angle is None else motion.angle)
+            rotation.append(start)
+            axis = np.array(motion.axis if motion.axis is not None else (0.0, 0.0, 1.0))
+            axes.append(axis / np.linalg.norm(axis))
+        start, codes, values = functions.tables()
+        replayed = [motion for _, motion in self._replayed]
+        n = len(replayed[0].origin) if replayed else 1
+        return MotionTable(
+            integers([g[0] for g in self._given]),
+            numbers(rotation, (-1, 3, 3)),
+            numbers(axes, (-1, 3)),
+            start,
+            codes,
+            values,
+            integers([b for b, _ in self._replayed]),
+            replayed[0].step if replayed else 1.0,
+            numbers([m.origin for m in replayed], (-1, n, 3)),
+            numbers([m.rotation for m in replayed], (-1, n, 3, 3)),
+            numbers([m.twist for m in replayed], (-1, n, 6)),
+            numbers([m.rate for m in replayed], (-1, n, 6)),
+        )
+
+
+def _joint_frame(kind: JointKind, joint: Joint, path: str) -> Array:
+    """The joint's axes as columns, global: z along `axis`, or x and y along the two `axes`."""
+    if kind.placed_by == "axes":
+        if joint.axes is None:
+            raise ModelError("the joint has no axes", path=path, remedy="give `axes: [on first, on second]`")
+        x, y = (np.array(axis) / np.linalg.norm(axis) for axis in joint.axes)
+        if abs(x @ y) > 1e-9:
+            raise ModelError(
+                f"the two axes are not at right angles (cosine {x @ y:.3g})",
+                path=f"{path}.axes",
+                remedy="a universal joint's cross has perpendicular pins",
+            )
+        return np.column_stack([x, y, np.cross(x, y)])
+    if kind.placed_by == "":
+        return np.eye(3)
+    if joint.axis is None:
+        raise ModelError("the joint has no axis", path=path, remedy="give `axis: [x, y, z]`, global")
+    z = np.array(joint.axis) / np.linalg.norm(joint.axis)
+    x = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = x - (x @ z) * z
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+def has_recorded_motion(model: Model) -> list[str]:
+    """Names of the bodies whose frame moves as in a run with them rigid."""
+    return [
+        name
+        for name, body in model.bodies.items()
+        if isinstance(body, ElasticBody) and isinstance(body.motion, RigidRunMotion)
+    ]
