@@ -12,6 +12,11 @@ PICTURES = ["mechanism", "joints", "motion", "deflection", "energy", "residuals"
 TABLES = ["time", "bodies", "attachments", "joints", "energy", "residuals"]
 
 
+@pytest.fixture(autouse=True)
+def small_pictures(monkeypatch):
+    monkeypatch.setattr("maggi.view.style.DOTS_PER_INCH", 50)
+
+
 @pytest.fixture
 def result(shell):
     Path("sub").mkdir()

@@ -31,6 +31,8 @@ def test_complete(shell):
         "rod",
         "big_end – small_end",
         "model.h5: 41 rows",
+        "largest deflection [mm]",
+        "at t [s]",
         "2.0e-09",
     ):
         assert text in said, text

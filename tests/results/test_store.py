@@ -90,6 +90,19 @@ def test_values_are_those_of_the_rows(target):
         assert file["residuals/acceleration"][-1] == last.residuals[2]
 
 
+def test_no_reserved_space_is_left(target):
+    fake_runs.record(FileRecorder(target), 11)
+    stored = 0
+    with h5py.File(target) as file:
+
+        def visit(_, item):
+            nonlocal stored
+            stored += item.id.get_storage_size() if isinstance(item, h5py.Dataset) else 0
+
+        file.visititems(visit)
+    assert target.stat().st_size < stored + 300_000  # headers of 45 tables
+
+
 def test_a_long_model_text_is_kept(target):
     text = "# ä comment\n" * 20_000  # an attribute beyond 64 kB
     recorder = FileRecorder(target)

@@ -87,7 +87,7 @@ def _deflections(results: Results, step: int) -> Table:
 def _table(title: str, heads: Sequence[str]) -> Table:
     table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     for i, head in enumerate(heads):
-        table.add_column(head, justify="left" if i == 0 or heads[0] == "" else "right")
+        table.add_column(Text(head), justify="left" if i == 0 or heads[0] == "" else "right")
     return table
 
 

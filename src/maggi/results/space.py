@@ -28,7 +28,6 @@ class Reservation:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._needed = path.stat().st_size
-        self._reserved = self._needed
 
     def grow(self, extra: int) -> None:
         """Make sure that the file can grow by `extra` bytes more than was asked for so far.
@@ -39,14 +38,24 @@ class Reservation:
         """
         self._needed += extra
         wanted = self._needed + AHEAD
-        if wanted <= self._reserved:
+        reserved = self._path.stat().st_size  # HDF5 gives back what it does not use at its first flush
+        if wanted <= reserved:
             return
-        if sys.platform == "linux":
-            with self._path.open("r+b") as file:
-                os.posix_fallocate(file.fileno(), self._reserved, wanted - self._reserved)
-        elif shutil.disk_usage(self._path.parent).free < extra + AHEAD:
+        if not self._allocate(reserved, wanted) and shutil.disk_usage(self._path.parent).free < wanted - reserved:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        self._reserved = wanted
+
+    def _allocate(self, start: int, end: int) -> bool:
+        """Have the bytes allocated; whether this system and this file system can."""
+        if sys.platform != "linux":
+            return False
+        try:
+            with self._path.open("r+b") as file:
+                os.posix_fallocate(file.fileno(), start, end - start)
+        except OSError as error:
+            if error.errno in (errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL):
+                return False
+            raise
+        return True
 
     def moved(self, path: Path) -> None:
         """The file has another name now."""

@@ -108,6 +108,13 @@ class FileRecorder:
             self._close()
             if self.rows == 0:
                 self._part.unlink(missing_ok=True)
+            else:
+                self._give_back()
+
+    def _give_back(self) -> None:
+        """Cut off the space that was reserved and not used: HDF5 does so when it closes a file that it has opened."""
+        with contextlib.suppress(OSError, RuntimeError):
+            h5py.File(self.path, "r+", locking="best-effort").close()
 
     def _commit(self) -> None:
         """Append the waiting rows, flush, and only then count them; repeating it after an interrupt is harmless."""

@@ -1,4 +1,4 @@
-"""Which instants of a run to draw."""
+"""Which instants of a run to draw, and which paths."""
 
 from __future__ import annotations
 
@@ -28,3 +28,13 @@ def different_instants(points: Array, count: int, first: int = 0) -> NDArray[np.
         chosen.append(int(np.argmax(distance)))
         distance = np.minimum(distance, np.linalg.norm(states - states[chosen[-1]], axis=1))
     return np.array(sorted(chosen), dtype=np.int64)
+
+
+def distinct(paths: list[Array]) -> list[Array]:
+    """One of each group of paths (n, 3) that a joint keeps together, so that dashes are not drawn over dashes."""
+    size = max((float(np.ptp(path, axis=0).max()) for path in paths), default=0.0)
+    kept: list[Array] = []
+    for path in paths:
+        if all(np.abs(path - other).max() > 1e-3 * size for other in kept):
+            kept.append(path)
+    return kept

@@ -15,7 +15,7 @@ from maggi.results.extremes import deflection_history, elastic_bodies
 from maggi.results.results import Array, Results
 
 from .body_shape import BodyShape, body_shape, exaggeration, frame
-from .instants import different_instants
+from .instants import different_instants, distinct
 from .parts import RIGID_COLORS, draw_beam, draw_link, draw_paths, draw_points, draw_surface, draw_triad, prepare
 from .projection import Camera, axonometric, facing, plane_of
 from .series import readable
@@ -46,7 +46,7 @@ def mechanism_figure(results: Results) -> Figure | None:
         ]
     )
     low, high = flat.min(axis=0), flat.max(axis=0)
-    paths = _paths(results, step)
+    paths = distinct(_paths(results, step))
 
     width, height = np.maximum(high - low, 0.05 * float((high - low).max()))
     columns = len(rows) if width < 0.7 * height else min(2, len(rows))

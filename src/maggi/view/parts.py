@@ -51,7 +51,7 @@ def draw_surface(
     faces[is_line, 3] = 0.0
     borders[is_line] = (*to_rgb(INK), 0.75)
     # A border in the polygon's own colour closes the seams that smoothing leaves between neighbours.
-    widths = np.where(is_line, 0.55, 0.35)
+    widths = np.where(is_line, 0.55, 0.5)
     axes.add_collection(
         PolyCollection(seen.corners, facecolors=faces, edgecolors=borders, linewidths=widths, zorder=zorder),
         autolim=False,
@@ -74,7 +74,7 @@ def draw_link(axes: Axes, camera: Camera, points: Array, rotation: Array, size: 
     """
     hub = points.mean(axis=0)
     if np.abs(points - hub).max() < 1e-3 * size:
-        _draw_block(axes, camera, hub, rotation, 0.035 * size, color)
+        _draw_block(axes, camera, hub, rotation, 0.024 * size, color)
         return
     spokes = [points] if len(points) == 2 else [np.stack([hub, point]) for point in points]
     lines = list(camera.flat(np.stack(spokes)))
@@ -98,7 +98,9 @@ def draw_paths(axes: Axes, camera: Camera, paths: Sequence[Array]) -> None:
 
 
 def draw_triad(axes: Axes, camera: Camera) -> None:
-    """The global axes' directions, in the lower left corner."""
+    """The global axes' directions, in the lower left corner, where the paper's axes do not show them."""
+    if camera.axis_names() is not None:
+        return
     _corner_arrows(axes, camera, (0.075, 0.12), dict(zip("xyz", np.eye(3), strict=True)), _AXIS_COLORS)
 
 
