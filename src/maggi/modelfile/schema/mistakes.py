@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -31,7 +32,7 @@ class Context:
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
     sections: dict[int, type[BaseModel]] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def values(self) -> dict[str, float]:
         """The parameters' values alone."""
         return {name: parameter.value for name, parameter in self.parameters.items()}
