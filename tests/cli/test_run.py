@@ -34,6 +34,8 @@ def test_complete(shell):
         "largest deflection [mm]",
         "at t [s]",
         "2.0e-09",
+        "40 (2 times with a smaller step)",
+        "3.00e-07 J",
     ):
         assert text in said, text
     assert "compiling kernels" in found.stderr

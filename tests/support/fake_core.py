@@ -31,7 +31,10 @@ class RunSummary:
     iterations: int = 44
     back_substitutions: int = 44
     residuals: tuple[float, float, float] = (3e-16, 6e-13, 6e-9)
+    factorisations: int = 1
+    restarts: int = 2
     energy_balance: float = 2e-9
+    numerical_loss: float = 3e-7
     warnings: tuple[str, ...] = ("the initial velocities were projected",)
     seconds: float = 1.25
     timings: dict[str, float] = field(default_factory=lambda: {"factorising": 0.5})

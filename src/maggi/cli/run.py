@@ -82,7 +82,10 @@ def simulate(
     residuals = dict(zip(("position", "velocity", "acceleration"), map(float, summary.residuals), strict=True))
     more = {
         "back_substitutions": summary.back_substitutions,
+        "factorisations": summary.factorisations,
+        "restarts": summary.restarts,
         "energy_balance": summary.energy_balance,
+        "numerical_loss": summary.numerical_loss,
         "seconds": summary.seconds,
         "warnings": list(summary.warnings),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,7 +13,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from maggi.results.extremes import deflection_extremes, joint_extremes
+from maggi.results.extremes import Extreme, deflection_extremes, joint_extremes
 from maggi.results.read import read
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from maggi.results.results import Results
 
 _PLAIN_WIDTH = 110
+_NOISE = 1e-6  # relative to the largest force or torque of all joints: nothing to tell below it
 _MOST_BYTES = 2 << 30  # of nodal displacements looked at for the extremes
 
 
@@ -48,12 +50,14 @@ def _quality(summary: RunSummary) -> Table:
     per_step = summary.back_substitutions / max(1, summary.steps)
     slowest = sorted(summary.timings.items(), key=lambda item: -item[1])[:4]
     spent = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in slowest if seconds >= 0.05)
-    table.add_row("steps", f"{summary.steps:,}")
+    restarts = f" ({summary.restarts:,} times with a smaller step)" if summary.restarts else ""
+    table.add_row("steps", f"{summary.steps:,}{restarts}")
     table.add_row("back-substitutions per step", f"{per_step:.2f}")
     table.add_row(
         "largest residuals (scaled)", f"position {position}, velocity {velocity}, acceleration {acceleration}"
     )
     table.add_row("energy balance (of the energy exchanged)", f"{summary.energy_balance:.1e}")
+    table.add_row("energy taken by the method", f"{summary.numerical_loss:.2e} J")
     table.add_row("time", f"{summary.seconds:.1f} s" + (f" ({spent})" if spent else ""))
     table.show_header = False
     return table
@@ -62,13 +66,27 @@ def _quality(summary: RunSummary) -> Table:
 def _joints(results: Results) -> Table:
     heads = ("joint", "largest force [N]", "at t [s]", "components x, y, z [N]", "largest torque [N m]", "at t [s]")
     table = _table("Extreme joint forces and torques", heads)
-    for joint in joint_extremes(results):
-        force, torque = joint.force, joint.torque
-        largest = (f"{force.magnitude:.5g}", f"{force.time:.5g}") if force.magnitude else ("0", "")
-        components = ", ".join(f"{value:.4g}" for value in force.components) if force.magnitude else ""
-        turning = (f"{torque.magnitude:.5g}", f"{torque.time:.5g}") if torque.magnitude else ("0", "")
-        table.add_row(Text(joint.name), *largest, components, *turning)
+    extremes = joint_extremes(results)
+    noise_force = _NOISE * max((joint.force.magnitude for joint in extremes), default=0.0)
+    noise_torque = _NOISE * max((joint.torque.magnitude for joint in extremes), default=0.0)
+    for joint in extremes:
+        force, torque = _extreme(joint.force, noise_force), _extreme(joint.torque, noise_torque)
+        components = _components(joint.force) if force[1] else ""
+        table.add_row(Text(joint.name), *force, components, *torque)
     return table
+
+
+def _extreme(extreme: Extreme, noise: float) -> tuple[str, str]:
+    """Value and time; what is round-off compared with the other joints has no time worth telling."""
+    if extreme.magnitude <= noise:
+        return ("0" if extreme.magnitude == 0.0 else "≈ 0"), ""
+    return f"{extreme.magnitude:.5g}", f"{extreme.time:.5g}"
+
+
+def _components(extreme: Extreme) -> str:
+    """Components with the decimals that make sense beside the magnitude."""
+    decimals = max(0, 4 - math.floor(math.log10(extreme.magnitude)))
+    return ", ".join(f"{value:.{decimals}f}" for value in extreme.components)
 
 
 def _deflections(results: Results, step: int) -> Table:

@@ -19,12 +19,12 @@ def energy_figure(results: Results) -> Figure | None:
         return None
     energies = {name: results.series(f"energy/{name}") for name in ENERGIES}
     energies = {name: values for name, values in energies.items() if np.abs(values).max() > 0.0} or energies
-    largest = max(float(np.abs(values).max()) for values in energies.values())
-    small = {name: values for name, values in energies.items() if np.abs(values).max() < _SMALL * largest}
     balance = results.energy.balance
     charts: list[tuple[dict[str, Array], float, str]] = [(energies, 2.2, "Energies")]
-    if small:
-        charts.append((small, 1.6, f"{', '.join(small)} alone".capitalize()))
+    small = _small(energies)
+    while small:
+        charts.append((small, 1.4, f"{', '.join(small)} alone".capitalize()))
+        small = _small(small)
     exchanged = max(float(np.ptp(values)) for values in energies.values())
     part = f", at most {np.abs(balance).max() / exchanged:.1e} of the energy exchanged" if exchanged else ""
     order = (*energies, "balance")
@@ -34,3 +34,9 @@ def energy_figure(results: Results) -> Figure | None:
         draw_lines(axes, results, lines, "J", "energy", order)
         axes.set_title(title)
     return figure
+
+
+def _small(energies: dict[str, Array]) -> dict[str, Array]:
+    """Those that the scale of the largest hides."""
+    largest = max(float(np.abs(values).max()) for values in energies.values())
+    return {name: values for name, values in energies.items() if np.abs(values).max() < _SMALL * largest}

@@ -31,7 +31,7 @@ def different_instants(points: Array, count: int, first: int = 0) -> NDArray[np.
 
 
 def distinct(paths: list[Array]) -> list[Array]:
-    """One of each group of paths (n, 3) that a joint keeps together, so that dashes are not drawn over dashes."""
+    """One of each group of paths (n, 3) that a joint keeps together."""
     size = max((float(np.ptp(path, axis=0).max()) for path in paths), default=0.0)
     kept: list[Array] = []
     for path in paths:

@@ -12,7 +12,7 @@ from .charts import draw_lines, stacked
 
 MOST_JOINTS = 6
 COMPONENTS = tuple(f"F{axis}" for axis in AXES)
-_NOTHING = 1e-9  # relative to the largest of its kind: below this a joint carries none of it
+_NOTHING = 1e-6  # relative to the largest of its kind: below this a joint carries none of it
 
 
 def joints_figure(results: Results) -> Figure | None:

@@ -94,7 +94,7 @@ def draw_paths(axes: Axes, camera: Camera, paths: Sequence[Array]) -> None:
     """Where points went, (n, 3) each: faint lines behind everything."""
     for path in paths:
         flat = camera.flat(path)
-        axes.plot(flat[:, 0], flat[:, 1], color=FAINT, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.0)
+        axes.plot(flat[:, 0], flat[:, 1], color=FAINT, linewidth=0.7, alpha=0.8, zorder=1.0)
 
 
 def draw_triad(axes: Axes, camera: Camera) -> None:
