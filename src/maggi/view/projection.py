@@ -63,13 +63,11 @@ def axonometric(azimuth: float = -60.0, elevation: float = 24.0) -> Camera:
 
 def plane_of(directions: Array) -> Array | None:
     """Normal (3,) of the plane that directions (k, 3) span, or None if they do not span just a plane."""
-    if not len(directions):
+    squares, axes = np.linalg.eigh(directions.T @ directions)
+    across, second, first = np.sqrt(np.maximum(squares, 0.0))
+    if second <= PLANAR * first or across > PLANAR * second:
         return None
-    _, sizes, axes = np.linalg.svd(directions, full_matrices=True)
-    sizes = np.concatenate([sizes, np.zeros(3)])[:3]
-    if sizes[1] <= PLANAR * sizes[0] or sizes[2] > PLANAR * sizes[1]:
-        return None
-    return np.asarray(axes[2])
+    return np.asarray(axes[:, 0])
 
 
 @dataclass(frozen=True, eq=False)
