@@ -27,23 +27,22 @@ from maggi.projection.range_space import (
 from .tables import SmallSystem, StepState, StepWork
 
 CONVERGED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
+WHOLE_STEPS, PREDICT, ITERATE, ACCEPT = 0, 1, 2, 3
 MAX_ITERATIONS = 25
 REFRESH_ABOVE = 0.1  # contraction above which the iteration's matrices are made anew
 ROUND_OFF = 1e-12  # liaison residuals, relative to size, speed and acceleration
 STALLED = 1e-10  # accepted where round-off lets them fall no further
 
 
-@njit(cache=True)
-def compliances(
-    bodies: BodyTable, kind: int, state: MotionState, c: GeneralizedAlpha, floor: Array, W: Array
-) -> None:
-    """W = Ŝ⁻¹ with Ŝ = σM + γhD + βh²K for all bodies of one kind, RIGID or RITZ, as they stand (Eq. T12).
+@njit(inline="always")
+def compliances(bodies: BodyTable, state: MotionState, c: GeneralizedAlpha, floor: Array, W: Array) -> None:
+    """W = Ŝ⁻¹ with Ŝ = σM + γhD + βh²K for all rigid and Ritz bodies, as they stand (Eq. T12).
 
     A rigid body's is constant in its own axes; mesh bodies' are kept by `stepping.mesh`. `floor` (b,) is a small
     inertia (kg m²) added to the iteration matrix, never to the equations, where a body has none of its own.
     """
     for b in range(bodies.kind.shape[0]):
-        if bodies.kind[b] != kind:
+        if bodies.kind[b] != RIGID and bodies.kind[b] != RITZ:
             continue
         o = bodies.offset[b]
         size = bodies.offset[b + 1] - o
@@ -70,6 +69,12 @@ def compliances(
 
 
 @njit(cache=True)
+def set_compliances(bodies: BodyTable, state: MotionState, c: GeneralizedAlpha, floor: Array, W: Array) -> None:
+    """`compliances`, to be called from outside."""
+    compliances(bodies, state, c, floor, W)
+
+
+@njit(cache=True)
 def move(bodies: BodyTable, now: MotionState, increment: Array, out: MotionState) -> None:
     """q₁ = q₀ ∘ exp(Δq): frames on SE(3), elastic coordinates additively."""
     for b in range(bodies.kind.shape[0]):
@@ -89,38 +94,33 @@ def move(bodies: BodyTable, now: MotionState, increment: Array, out: MotionState
             )
 
 
-@njit(cache=True)
-def copy_motion(source: MotionState, target: MotionState) -> None:
-    """Copy one state's arrays into another's."""
-    target.origin[:] = source.origin
-    target.rotation[:] = source.rotation
-    target.e[:] = source.e
-    target.v[:] = source.v
-    target.vd[:] = source.vd
-
-
-@njit(cache=True)
+@njit(inline="always")
 def predict(system: SmallSystem, c: GeneralizedAlpha, t: float, linear: float, state: StepState) -> None:
     """Predicted accelerations (linear: 1 extrapolates, 0 keeps them) and the Newmark state at time t."""
+    a = state.a
+    a_next = state.a_next
+    a_previous = state.a_previous
+    increment = state.increment
+    multipliers = state.multipliers
+    multipliers_next = state.multipliers_next
+    multipliers_previous = state.multipliers_previous
+    v = state.next.v
+    vd = state.next.vd
+    now_v = state.now.v
+    now_vd = state.now.vd
     bodies = system.bodies
-    for i in range(state.a.shape[0]):
-        state.a_next[i] = state.a[i] + linear * (state.a[i] - state.a_previous[i])
-        state.next.vd[i] = (
-            (1.0 - c.alpha_m) * state.a_next[i] + c.alpha_m * state.a[i] - c.alpha_f * state.now.vd[i]
-        ) / (1.0 - c.alpha_f)
-        state.next.v[i] = state.now.v[i] + c.h * ((1.0 - c.gamma) * state.a[i] + c.gamma * state.a_next[i])
-        state.increment[i] = c.h * state.now.v[i] + c.h * c.h * (
-            (0.5 - c.beta) * state.a[i] + c.beta * state.a_next[i]
-        )
-    for i in range(state.multipliers.shape[0]):
-        state.multipliers_next[i] = state.multipliers[i] + linear * (
-            state.multipliers[i] - state.multipliers_previous[i]
-        )
-    move(bodies, state.now, state.increment, state.next)
+    for i in range(a.shape[0]):
+        a_next[i] = a[i] + linear * (a[i] - a_previous[i])
+        vd[i] = ((1.0 - c.alpha_m) * a_next[i] + c.alpha_m * a[i] - c.alpha_f * now_vd[i]) / (1.0 - c.alpha_f)
+        v[i] = now_v[i] + c.h * ((1.0 - c.gamma) * a[i] + c.gamma * a_next[i])
+        increment[i] = c.h * now_v[i] + c.h * c.h * ((0.5 - c.beta) * a[i] + c.beta * a_next[i])
+    for i in range(multipliers.shape[0]):
+        multipliers_next[i] = multipliers[i] + linear * (multipliers[i] - multipliers_previous[i])
+    move(bodies, state.now, increment, state.next)
     prescribe(system.motions, bodies, t, state.next)
 
 
-@njit(cache=True)
+@njit(inline="always")
 def evaluate_state(system: SmallSystem, t: float, state: StepState, work: StepWork) -> None:
     """Attachments, liaison rows and applied forces of `state.next`."""
     attachment_motion(system.bodies, state.next, state.attachments)
@@ -150,37 +150,48 @@ def row_is_rotation(liaisons: LiaisonTable, i: int) -> bool:
 @njit(cache=True)
 def scaled_residuals(liaisons: LiaisonTable, state: StepState, out: Array) -> None:
     """The largest |Φ|, |A v + b|, |A v̇ + γ| over size, speed and acceleration (rotations: as angles); out (3,)."""
+    holonomic = liaisons.holonomic
+    row_kind = liaisons.row_kind
+    row_position = state.rows.position
+    row_velocity = state.rows.velocity
+    row_acceleration = state.rows.acceleration
     out[:] = 0.0
     size, speed, acceleration = state.scales[0], state.scales[1], state.scales[2]
-    for i in range(liaisons.row_kind.shape[0]):
+    for i in range(row_kind.shape[0]):
         arm = size if row_is_rotation(liaisons, i) else 1.0
-        x = abs(state.rows.velocity[i]) * arm / speed
-        y = abs(state.rows.acceleration[i]) * arm / acceleration
-        z = abs(state.rows.position[i]) * arm / size if liaisons.holonomic[i] == 1 else 0.0
+        x = abs(row_velocity[i]) * arm / speed
+        y = abs(row_acceleration[i]) * arm / acceleration
+        z = abs(row_position[i]) * arm / size if holonomic[i] == 1 else 0.0
         # written so that a NaN stays
         out[0] = z if not (z <= out[0]) else out[0]
         out[1] = x if not (x <= out[1]) else out[1]
         out[2] = y if not (y <= out[2]) else out[2]
 
 
-@njit(cache=True)
+@njit(inline="always")
 def correction_size(bodies: BodyTable, c: GeneralizedAlpha, tolerance: float, state: StepState, delta: Array) -> float:
     """The largest component of δ over what counts as one, in units of the tolerance.
 
     Frames are judged by acceleration. Elastic coordinates too, but never finer than what a change of 1e-4 of
     the tolerance of their own position would be: below that their accelerations are round-off of K u.
     """
+    kind = bodies.kind
+    offset = bodies.offset
+    elastic = state.elastic
+    elastic_next = state.next.e
+    vd = state.next.vd
+    scales = state.scales
     largest = 0.0
-    size, acceleration = state.scales[0], state.scales[2]
+    size, acceleration = scales[0], scales[2]
     floor = 1e-4 / (c.beta * c.h * c.h) if c.h > 0.0 else 0.0
-    for b in range(bodies.kind.shape[0]):
-        if bodies.kind[b] == FIXED:
+    for b in range(kind.shape[0]):
+        if kind[b] == FIXED:
             continue
-        o = bodies.offset[b]
-        e = bodies.offset[b + 1]
-        reference = max(state.elastic[b, 1], floor * state.elastic[b, 0])
+        o = offset[b]
+        e = offset[b + 1]
+        reference = max(elastic[b, 1], floor * elastic[b, 0])
         for i in range(o + 6, e):
-            reference = max(reference, abs(state.next.vd[i]), floor * abs(state.next.e[i]))
+            reference = max(reference, abs(vd[i]), floor * abs(elastic_next[i]))
         for i in range(o, e):
             if i < o + 3:
                 x = abs(delta[i]) / acceleration
@@ -193,7 +204,7 @@ def correction_size(bodies: BodyTable, c: GeneralizedAlpha, tolerance: float, st
     return largest / tolerance
 
 
-@njit(cache=True)
+@njit(inline="always")
 def iterate(
     system: SmallSystem,
     c: GeneralizedAlpha,
@@ -216,23 +227,63 @@ def iterate(
     """
     bodies = system.bodies
     liaisons = system.liaisons
-    n = state.a.shape[0]
-    r = liaisons.row_kind.shape[0]
-    first, start = liaisons.skyline_first, liaisons.skyline_start
     gravity = system.forces.gravity
+    stiffness = bodies.k
+    damping = bodies.D
+    kind = bodies.kind
+    offset = bodies.offset
+    ritz_square = bodies.ritz_square
+    holonomic = liaisons.holonomic
+    row_kind = liaisons.row_kind
+    first = liaisons.skyline_first
+    start = liaisons.skyline_start
+    a = state.a
+    a_next = state.a_next
+    applied = state.applied
+    rho = state.contraction
+    increment = state.increment
+    multipliers_next = state.multipliers_next
+    v = state.next.v
+    vd = state.next.vd
+    A = state.rows.A
+    row_position = state.rows.position
+    row_velocity = state.rows.velocity
+    row_acceleration = state.rows.acceleration
+    L = work.L
+    W = work.W
+    W_D = work.W_D
+    W_Z = work.W_Z
+    accounted = work.accounted
+    base = work.base
+    delta = work.delta
+    independent = work.independent
+    kappa = work.kappa
+    loads = work.loads
+    phi = work.phi
+    pi = work.pi
+    pivot = work.pivot
+    position_force = work.position_force
+    rate_shift = work.rate_shift
+    residual = work.residual
+    scale = work.scale
+    shift = work.shift
+    vector = work.vector
+    velocity_force = work.velocity_force
+    n = a.shape[0]
+    r = row_kind.shape[0]
     residuals = np.empty(3)
     error = 0.0
     previous = 0.0
-    contraction = state.contraction[0]
+    contraction = rho[0]
     worst_before = math.inf
-    measured = state.contraction[1] < 10.0
+    measured = rho[1] < 10.0
     refresh = True
-    work.accounted[:] = 0.0
-    work.position_force[:] = 0.0
-    work.velocity_force[:] = 0.0
+    accounted[:] = 0.0
+    position_force[:] = 0.0
+    velocity_force[:] = 0.0
     has_ritz = False
-    for b in range(bodies.kind.shape[0]):
-        if bodies.kind[b] == RITZ:
+    for b in range(kind.shape[0]):
+        if kind[b] == RITZ:
             has_ritz = True
     for iteration in range(MAX_ITERATIONS + 1):
         evaluate_state(system, t, state, work)
@@ -247,223 +298,256 @@ def iterate(
             settled = worst <= ROUND_OFF or (worst <= STALLED and worst > 0.3 * worst_before)
             if estimate <= 1.0 and settled:
                 if iteration >= 2:
-                    state.contraction[1] = 0.0
+                    rho[1] = 0.0
                 else:
-                    state.contraction[1] += 1.0
+                    rho[1] += 1.0
                 return CONVERGED, iteration
         if iteration == MAX_ITERATIONS:
             break
         worst_before = worst
         if refresh:
             if has_ritz:
-                compliances(bodies, RITZ, state.next, c, floor, work.W)
-            assemble_compliance(liaisons, bodies, state.rows.A, work.W, work.L)
-            work.independent[0] = factorise(first, start, work.L, work.pivot, work.scale)
+                compliances(bodies, state.next, c, floor, W)
+            assemble_compliance(liaisons, bodies, A, W, L)
+            independent[0] = factorise(first, start, L, pivot, scale)
             for i in range(r):
-                if work.pivot[i] == 0.0:
-                    state.multipliers_next[i] = 0.0
+                if pivot[i] == 0.0:
+                    multipliers_next[i] = 0.0
             refresh = False
-        transpose_product(liaisons, bodies, state.rows.A, state.multipliers_next, state.applied)
+        transpose_product(liaisons, bodies, A, multipliers_next, applied)
         for i in range(n):
-            state.applied[i] -= work.loads[i]
+            applied[i] -= loads[i]
         for i in range(r):
-            acceleration = state.rows.acceleration[i] / c.sigma
-            work.kappa[i] = -state.rows.velocity[i] + c.gamma * c.h * acceleration
-            work.pi[i] = -state.rows.position[i] + c.beta * c.h * c.h * acceleration
-            if liaisons.holonomic[i] == 0:
-                work.pi[i] = 0.0
+            acceleration = row_acceleration[i] / c.sigma
+            kappa[i] = -row_velocity[i] + c.gamma * c.h * acceleration
+            pi[i] = -row_position[i] + c.beta * c.h * c.h * acceleration
+            if holonomic[i] == 0:
+                pi[i] = 0.0
         if c.h > 0.0:
-            solve(first, start, work.L, work.pivot, work.kappa)
-            solve(first, start, work.L, work.pivot, work.pi)
-            transpose_product(liaisons, bodies, state.rows.A, work.pi, work.vector)
-            block_product(bodies, work.W, work.vector, work.shift)
+            solve(first, start, L, pivot, kappa)
+            solve(first, start, L, pivot, pi)
+            transpose_product(liaisons, bodies, A, pi, vector)
+            block_product(bodies, W, vector, shift)
             for i in range(n):
-                work.position_force[i] += work.vector[i]
-            block_product(bodies, work.W_Z, work.vector, work.delta)
-            transpose_product(liaisons, bodies, state.rows.A, work.kappa, work.vector)
-            block_product(bodies, work.W, work.vector, work.rate_shift)
+                position_force[i] += vector[i]
+            block_product(bodies, W_Z, vector, delta)
+            transpose_product(liaisons, bodies, A, kappa, vector)
+            block_product(bodies, W, vector, rate_shift)
             for i in range(n):
-                work.velocity_force[i] += work.vector[i]
-            block_product(bodies, work.W_D, work.vector, work.residual)
+                velocity_force[i] += vector[i]
+            block_product(bodies, W_D, vector, residual)
             # what the shifts of mesh bodies' elastic coordinates do through K and D: −Zπ, −Z_Dκ
             for i in range(n):
-                work.delta[i] = -work.delta[i] - work.residual[i]
+                delta[i] = -delta[i] - residual[i]
         else:
-            work.shift[:] = 0.0
-            work.rate_shift[:] = 0.0
-            work.delta[:] = 0.0
-        work.residual[:] = 0.0
-        for b in range(bodies.kind.shape[0]):
-            o = bodies.offset[b]
-            e = bodies.offset[b + 1]
-            if bodies.kind[b] == RIGID or bodies.kind[b] == RITZ:
-                inertia_residual(bodies, b, state.next, gravity, work.residual[o:e])
+            shift[:] = 0.0
+            rate_shift[:] = 0.0
+            delta[:] = 0.0
+        residual[:] = 0.0
+        for b in range(kind.shape[0]):
+            o = offset[b]
+            e = offset[b + 1]
+            if kind[b] == RIGID or kind[b] == RITZ:
+                inertia_residual(bodies, b, state.next, gravity, residual[o:e])
                 m = e - o - 6
-                q = bodies.ritz_square[b]
+                q = ritz_square[b]
                 for i in range(m):
                     value = 0.0
                     for j in range(m):
                         value += (
-                            bodies.k[q + i * m + j] * work.shift[o + 6 + j]
-                            + bodies.D[q + i * m + j] * work.rate_shift[o + 6 + j]
+                            stiffness[q + i * m + j] * shift[o + 6 + j] + damping[q + i * m + j] * rate_shift[o + 6 + j]
                         )
-                    work.residual[o + 6 + i] += value
+                    residual[o + 6 + i] += value
                 for i in range(o, e):
-                    work.residual[i] += state.applied[i]
-            elif bodies.kind[b] == MESH:
+                    residual[i] += applied[i]
+            elif kind[b] == MESH:
                 for i in range(o, e):
-                    work.residual[i] = state.applied[i] - work.accounted[i]
-                    work.accounted[i] = state.applied[i]
+                    residual[i] = applied[i] - accounted[i]
+                    accounted[i] = applied[i]
                 if iteration == 0:
                     for i in range(o, o + 6):
-                        work.residual[i] += work.base[i]
+                        residual[i] += base[i]
                     for i in range(o + 6, e):
-                        work.delta[i] += work.base[i]
-        block_product(bodies, work.W, work.residual, work.vector)
+                        delta[i] += base[i]
+        block_product(bodies, W, residual, vector)
         for i in range(n):
-            work.delta[i] -= work.vector[i]
-        product(liaisons, bodies, state.rows.A, work.delta, work.phi)
+            delta[i] -= vector[i]
+        product(liaisons, bodies, A, delta, phi)
         for i in range(r):
-            work.phi[i] += state.rows.acceleration[i] / c.sigma
-        solve(first, start, work.L, work.pivot, work.phi)
-        transpose_product(liaisons, bodies, state.rows.A, work.phi, work.vector)
-        for b in range(bodies.kind.shape[0]):
-            if bodies.kind[b] == MESH:
-                for i in range(bodies.offset[b], bodies.offset[b + 1]):
-                    work.accounted[i] += work.vector[i]
-        block_product(bodies, work.W, work.vector, work.residual)
+            phi[i] += row_acceleration[i] / c.sigma
+        solve(first, start, L, pivot, phi)
+        transpose_product(liaisons, bodies, A, phi, vector)
+        for b in range(kind.shape[0]):
+            if kind[b] == MESH:
+                for i in range(offset[b], offset[b + 1]):
+                    accounted[i] += vector[i]
+        block_product(bodies, W, vector, residual)
         for i in range(n):
-            work.delta[i] -= work.residual[i]
+            delta[i] -= residual[i]
         for i in range(r):
-            state.multipliers_next[i] += work.phi[i]
+            multipliers_next[i] += phi[i]
         for i in range(n):
-            d = work.delta[i]
-            state.a_next[i] += d
-            state.next.vd[i] += c.sigma * d
-            state.next.v[i] += c.gamma * c.h * d + work.rate_shift[i]
-            state.increment[i] += c.beta * c.h * c.h * d + work.shift[i]
+            d = delta[i]
+            a_next[i] += d
+            vd[i] += c.sigma * d
+            v[i] += c.gamma * c.h * d + rate_shift[i]
+            increment[i] += c.beta * c.h * c.h * d + shift[i]
         if c.h > 0.0:
-            move(bodies, state.now, state.increment, state.next)
+            move(bodies, state.now, increment, state.next)
         previous = error
-        error = correction_size(bodies, c, tolerance, state, work.delta)
+        error = correction_size(bodies, c, tolerance, state, delta)
         if iteration > 0 and previous > 0.0:
             contraction = max(min(error / previous, 2.0), 1e-3)
             if contraction > REFRESH_ABOVE:
                 refresh = True
-            state.contraction[0] = min(contraction, 0.5)
+            rho[0] = min(contraction, 0.5)
     return NOT_CONVERGED, MAX_ITERATIONS
 
 
-@njit(cache=True)
+@njit(inline="always")
 def constraint_power(system: SmallSystem, state: StepState, work: StepWork) -> float:
     """Power (W) that driven rows and prescribed frames put into the mechanism: λᵀb and frame force × twist."""
-    value = 0.0
-    for i in range(system.liaisons.row_kind.shape[0]):
-        value += state.multipliers_next[i] * state.rows.rhs[i]
     bodies = system.bodies
-    for b in range(bodies.kind.shape[0]):
-        if bodies.kind[b] == FIXED or bodies.floating[b] == 1:
+    floating = bodies.floating
+    kind = bodies.kind
+    offset = bodies.offset
+    applied = state.applied
+    multipliers_next = state.multipliers_next
+    v = state.next.v
+    rhs = state.rows.rhs
+    gravity = system.forces.gravity
+    row_kind = system.liaisons.row_kind
+    base = work.base
+    residual = work.residual
+    value = 0.0
+    for i in range(row_kind.shape[0]):
+        value += multipliers_next[i] * rhs[i]
+    for b in range(kind.shape[0]):
+        if kind[b] == FIXED or floating[b] == 1:
             continue
-        o = bodies.offset[b]
-        if bodies.kind[b] == MESH:
+        o = offset[b]
+        if kind[b] == MESH:
             for i in range(o, o + 6):
-                value += (work.base[i] + state.applied[i]) * state.next.v[i]
+                value += (base[i] + applied[i]) * v[i]
         else:
-            inertia_residual(bodies, b, state.next, system.forces.gravity, work.residual[o : bodies.offset[b + 1]])
+            inertia_residual(bodies, b, state.next, gravity, residual[o : offset[b + 1]])
             for i in range(o, o + 6):
-                value += (work.residual[i] + state.applied[i]) * state.next.v[i]
+                value += (residual[i] + applied[i]) * v[i]
     return value
 
 
-@njit(cache=True)
-def accept(
-    system: SmallSystem, c: GeneralizedAlpha, mesh_dissipation: float, state: StepState, work: StepWork
-) -> None:
+@njit(inline="always")
+def accept(system: SmallSystem, c: GeneralizedAlpha, mesh_dissipation: float, state: StepState, work: StepWork) -> None:
     """Make `next` the present: integrate work and dissipation by the trapezoidal rule, renew the scales.
 
     mesh_dissipation: power (W) that the damping of meshed bodies takes now.
     """
     bodies = system.bodies
-    transpose_product(system.liaisons, bodies, state.rows.A, state.multipliers_next, state.applied)
-    for i in range(state.applied.shape[0]):
-        state.applied[i] -= work.loads[i]
-    ritz_power = 0.0
-    for b in range(bodies.kind.shape[0]):
-        if bodies.kind[b] != RITZ:
+    kind = bodies.kind
+    offset = bodies.offset
+    damping = bodies.D
+    applied = state.applied
+    multipliers = state.multipliers
+    multipliers_next = state.multipliers_next
+    multipliers_previous = state.multipliers_previous
+    v = state.next.v
+    transpose_product(system.liaisons, bodies, state.rows.A, multipliers_next, applied)
+    for i in range(applied.shape[0]):
+        applied[i] -= work.loads[i]
+    dissipation = state.power[1] + mesh_dissipation
+    for b in range(kind.shape[0]):
+        if kind[b] != RITZ:
             continue
-        o = bodies.offset[b] + 6
-        m = bodies.offset[b + 1] - o
+        o = offset[b] + 6
+        m = offset[b + 1] - o
         q = bodies.ritz_square[b]
         for i in range(m):
             for j in range(m):
-                ritz_power += state.next.v[o + i] * bodies.D[q + i * m + j] * state.next.v[o + j]
+                dissipation += v[o + i] * damping[q + i * m + j] * v[o + j]
     power = constraint_power(system, state, work) + state.power[2]
-    dissipation = state.power[1] + ritz_power + mesh_dissipation
-    state.work[0] += 0.5 * c.h * (state.work[2] + power)
-    state.work[1] += 0.5 * c.h * (state.work[3] + dissipation)
-    state.work[2] = power
-    state.work[3] = dissipation
-    for i in range(state.a.shape[0]):
-        state.a_previous[i] = state.a[i]
-        state.a[i] = state.a_next[i]
-        state.now.e[i] = state.next.e[i]
-        state.now.v[i] = state.next.v[i]
-        state.now.vd[i] = state.next.vd[i]
+    done = state.work
+    done[0] += 0.5 * c.h * (done[2] + power)
+    done[1] += 0.5 * c.h * (done[3] + dissipation)
+    done[2] = power
+    done[3] = dissipation
+    state.a_previous[:] = state.a
+    state.a[:] = state.a_next
+    state.now.e[:] = state.next.e
+    state.now.v[:] = v
+    state.now.vd[:] = state.next.vd
     state.now.origin[:] = state.next.origin
     state.now.rotation[:] = state.next.rotation
-    for i in range(state.multipliers.shape[0]):
-        state.multipliers_previous[i] = state.multipliers[i]
-        state.multipliers[i] = state.multipliers_next[i]
+    for i in range(multipliers.shape[0]):
+        multipliers_previous[i] = multipliers[i]
+        multipliers[i] = multipliers_next[i]
     state.rows.previous[:] = state.rows.coordinate
     update_scales(bodies, state)
 
 
-@njit(cache=True)
+@njit(inline="always")
 def update_scales(bodies: BodyTable, state: StepState) -> None:
     """Speed and acceleration of the mechanism: the largest so far, fading over some hundred steps."""
-    speed = 0.99 * state.scales[1]
-    acceleration = 0.99 * state.scales[2]
-    size = state.scales[0]
-    for b in range(bodies.kind.shape[0]):
-        if bodies.kind[b] == FIXED:
+    kind = bodies.kind
+    offset = bodies.offset
+    elastic = state.elastic
+    now_e = state.now.e
+    now_v = state.now.v
+    now_vd = state.now.vd
+    scales = state.scales
+    speed = 0.99 * scales[1]
+    acceleration = 0.99 * scales[2]
+    size = scales[0]
+    for b in range(kind.shape[0]):
+        if kind[b] == FIXED:
             continue
-        o = bodies.offset[b]
-        v = state.now.v[o : o + 6]
-        z = state.now.vd[o : o + 6]
+        o = offset[b]
+        v = now_v[o : o + 6]
+        z = now_vd[o : o + 6]
         linear = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
         spin = math.sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5])
         speed = max(speed, linear, size * spin)
         linear = math.sqrt(z[0] * z[0] + z[1] * z[1] + z[2] * z[2])
         turn = math.sqrt(z[3] * z[3] + z[4] * z[4] + z[5] * z[5])
         acceleration = max(acceleration, linear, size * turn, size * spin * spin)
-        state.elastic[b, 0] *= 0.99
-        state.elastic[b, 1] *= 0.99
-        for i in range(o + 6, bodies.offset[b + 1]):
-            state.elastic[b, 0] = max(state.elastic[b, 0], abs(state.now.e[i]))
-            state.elastic[b, 1] = max(state.elastic[b, 1], abs(state.now.vd[i]))
-    state.scales[1] = max(speed, state.scales[3])
-    state.scales[2] = max(acceleration, state.scales[4])
+        elastic[b, 0] *= 0.99
+        elastic[b, 1] *= 0.99
+        for i in range(o + 6, offset[b + 1]):
+            elastic[b, 0] = max(elastic[b, 0], abs(now_e[i]))
+            elastic[b, 1] = max(elastic[b, 1], abs(now_vd[i]))
+    scales[1] = max(speed, scales[3])
+    scales[2] = max(acceleration, scales[4])
 
 
 @njit(cache=True)
-def run_steps(
+def advance(
     system: SmallSystem,
     c: GeneralizedAlpha,
+    phase: int,
     t: float,
     steps: int,
     linear: float,
     tolerance: float,
     floor: Array,
+    mesh_dissipation: float,
     state: StepState,
     work: StepWork,
 ) -> tuple[int, int, int]:
-    """Up to `steps` steps from time t; returns (reason it ended, steps done, corrections in all)."""
+    """Up to `steps` steps from time t, or one phase of a step; returns (reason it ended, steps done, corrections).
+
+    phase: WHOLE_STEPS, or PREDICT, ITERATE, ACCEPT of a single step to t + h for mechanisms with meshed bodies,
+    whose back-substitutions come between. One entry point, because each costs seconds to compile. linear: how the first
+    step predicts (1 extrapolates); later ones extrapolate.
+    """
     total = 0
     for k in range(steps):
-        predict(system, c, t + (k + 1) * c.h, linear if k == 0 else 1.0, state)
-        reason, corrections = iterate(system, c, t + (k + 1) * c.h, tolerance, floor, state, work)
-        total += corrections
-        if reason != CONVERGED:
-            return reason, k, total
-        accept(system, c, 0.0, state, work)
+        end = t + (k + 1) * c.h
+        if phase == WHOLE_STEPS or phase == PREDICT:
+            predict(system, c, end, linear if k == 0 else 1.0, state)
+        if phase == WHOLE_STEPS or phase == ITERATE:
+            reason, corrections = iterate(system, c, end, tolerance, floor, state, work)
+            total += corrections
+            if reason != CONVERGED:
+                return reason, k, total
+        if phase == WHOLE_STEPS or phase == ACCEPT:
+            accept(system, c, mesh_dissipation, state, work)
     return CONVERGED, steps, total

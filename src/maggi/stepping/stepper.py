@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -74,7 +75,7 @@ class Stepper:
             return
         self.coefficients = generalized_alpha(h, self._rho_inf)
         c, work = self.coefficients, self.work
-        kernels.compliances(self.small.bodies, RIGID, self.state.now, c, self.system.inertia_floor, work.W)
+        kernels.set_compliances(self.small.bodies, self.state.now, c, self.system.inertia_floor, work.W)
         for mesh in self.meshes:
             self._announce(f"factorising {mesh.body.name} ({mesh.body.size:,} freedoms)")
             self.counts.factorisations += mesh.prepare(c, work.W, work.W_Z, work.W_D)
@@ -85,9 +86,9 @@ class Stepper:
         """True accelerations and liaison forces of the present state (Eq. T10), the algorithmic ones set equal."""
         c = instantaneous()
         state, work = self.state, self.work
-        kernels.compliances(self.small.bodies, RIGID, state.now, c, self.system.inertia_floor, work.W)
-        kernels.compliances(self.small.bodies, RITZ, state.now, c, self.system.inertia_floor, work.W)
-        kernels.copy_motion(state.now, state.next)
+        kernels.set_compliances(self.small.bodies, state.now, c, self.system.inertia_floor, work.W)
+        for present, following in zip(state.now, state.next, strict=True):
+            following[:] = present
         kernels.prescribe(self.small.motions, self.small.bodies, t, state.next)
         for mesh in self.meshes:
             mesh.prepare_start(work.W)
@@ -97,7 +98,7 @@ class Stepper:
         state.a_next[:] = state.next.vd
         self._converge(c, t, exact=True)
         state.a_next[:] = state.next.vd
-        kernels.accept(self.small, c, sum(mesh.dissipation() for mesh in self.meshes), state, work)
+        self._phase(kernels.ACCEPT, c, t)
         for mesh in self.meshes:
             mesh.a_next[:] = mesh.udd_next
             mesh.accept()
@@ -118,14 +119,16 @@ class Stepper:
                 if not self._mesh_step(t + (k + 1) * self.coefficients.h):
                     return k
             return steps
-        reason, done, corrections = kernels.run_steps(
+        reason, done, corrections = kernels.advance(
             self.small,
             self.coefficients,
+            kernels.WHOLE_STEPS,
             t,
             steps,
             float(self._smooth),
             self._tolerance,
             self.system.inertia_floor,
+            0.0,
             self.state,
             self.work,
         )
@@ -135,16 +138,34 @@ class Stepper:
         self._smooth = self._smooth or done > 0
         return int(done)
 
+    def _phase(self, phase: int, c: GeneralizedAlpha, end: float) -> tuple[int, int]:
+        """One phase of the small system's step that ends at time `end`; returns (reason, corrections)."""
+        dissipation = math.fsum(mesh.dissipation() for mesh in self.meshes) if phase == kernels.ACCEPT else 0.0
+        reason, _, corrections = kernels.advance(
+            self.small,
+            c,
+            phase,
+            end - c.h,
+            1,
+            float(self._smooth),
+            self._tolerance,
+            self.system.inertia_floor,
+            dissipation,
+            self.state,
+            self.work,
+        )
+        return reason, corrections
+
     def _mesh_step(self, t: float) -> bool:
         c, state = self.coefficients, self.state
         linear = float(self._smooth)
-        kernels.predict(self.small, c, t, linear, state)
+        self._phase(kernels.PREDICT, c, t)
         for mesh in self.meshes:
             mesh.predict(c, linear)
         if not self._converge(c, t, exact=self.policy.exact):
             return False
         self.policy.accepted()
-        kernels.accept(self.small, c, sum(mesh.dissipation() for mesh in self.meshes), state, self.work)
+        self._phase(kernels.ACCEPT, c, t)
         for mesh in self.meshes:
             mesh.accept()
         self.counts.steps += 1
@@ -166,9 +187,7 @@ class Stepper:
                 mesh.solve_free(c, state.next, gravity, work.base)
                 mesh.frame_compliance(c, work.W)
                 self.counts.back_substitutions += 1
-            reason, corrections = kernels.iterate(
-                self.small, c, t, self._tolerance, self.system.inertia_floor, state, work
-            )
+            reason, corrections = self._phase(kernels.ITERATE, c, t)
             self.counts.corrections += corrections
             self.last_iterations = corrections
             if reason != kernels.CONVERGED:
