@@ -1,1 +1,1 @@
-"""TODO."""
+"""Analyses of a system: initial state, quasi-static balance, transient."""

@@ -84,10 +84,10 @@ def _close_gaps(system: System, motion: MotionState, notes: list[str]) -> None:
     rows = dense_rows(system, motion, 0.0)
     holonomic = table.holonomic == 1
     Phi = np.where(holonomic, rows.position, 0.0)
-    for row in np.flatnonzero((table.row_kind == DRIVEN) & (np.abs(Phi) > ROUND_OFF * system.size)):
-        name = system.liaison_entries[table.row_owner[row]].name
+    for driven in np.flatnonzero((table.row_kind == DRIVEN) & (np.abs(Phi) > ROUND_OFF * system.size)):
+        name = system.liaison_entries[table.row_owner[driven]].name
         raise ModelError(
-            f"the driver starts at {-Phi[row]:.6g} instead of 0",
+            f"the driver starts at {-Phi[driven]:.6g} instead of 0",
             path=f"joints.{name}",
             remedy="a joint's coordinate is zero in the initial pose; subtract the function's value at t = 0",
         )

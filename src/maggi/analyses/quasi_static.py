@@ -165,9 +165,7 @@ class QuasiStatic:
         attachment_motion(system.bodies, motion, attachments)
         evaluate_rows(system.liaisons, system.bodies, motion, attachments, t, rows)
         Q = np.zeros(system.coordinates)
-        applied_forces(
-            system.forces, system.bodies, system.liaisons, motion, attachments, rows, t, Q, np.zeros(3)
-        )
+        applied_forces(system.forces, system.bodies, system.liaisons, motion, attachments, rows, t, Q, np.zeros(3))
         return Q
 
     def _inertia(
@@ -196,9 +194,7 @@ class QuasiStatic:
             nodal, frame = np.empty(mesh.body.size), np.empty(6)
             v, w = motion.v[o : o + 3], motion.v[o + 3 : o + 6]
             a_O = motion.vd[o : o + 3] + np.cross(w, v) - motion.rotation[body.index].T @ gravity
-            mesh.body.inertia.residual(
-                a_O, w, motion.vd[o + 3 : o + 6], fields[body.index], zero, zero, nodal, frame
-            )
+            mesh.body.inertia.residual(a_O, w, motion.vd[o + 3 : o + 6], fields[body.index], zero, zero, nodal, frame)
             residual[o : o + 6] = frame
             u = -self._solve(body.index, nodal)
             rigid = mesh.body.Phi.T @ nodal if body.rigid.shape[1] else np.empty(0)
@@ -211,7 +207,7 @@ class QuasiStatic:
             n = int(bodies.offset[b + 1] - bodies.offset[b]) - 6
             q = int(bodies.ritz_square[b])
             W = np.linalg.pinv(bodies.k[q : q + n * n].reshape(n, n), rcond=1e-12, hermitian=True)
-            return _Static(b, W, np.empty((n, 0)))
+            return _Static(b, np.asarray(W, dtype=np.float64), np.empty((n, 0)))
         body = self._meshes[b].body
         # any shift far below the elastic spectrum will do; the solution is refined with K itself
         trial = body.K.diagonal().max() / body.inertia.matrix.diagonal().max()
@@ -261,10 +257,14 @@ def quasi_static_start(system: System, motion: MotionState, meshes: list[MeshSte
         states.append((ahead.e.copy(), field))
     weights = (-1.5 / dt, 2.0 / dt, -0.5 / dt)
     elastic = np.setdiff1d(np.flatnonzero(_elastic_mask(system)), moving)
-    motion.v[elastic] = sum(w * state[0] for w, state in zip(weights, states, strict=True))[elastic]
+    motion.v[elastic] = _combine(weights, [e for e, _ in states])[elastic]
     for mesh in meshes:
         mesh.u = fields[mesh.index].copy()
-        mesh.ud = sum(w * state[1][mesh.index] for w, state in zip(weights, states, strict=True))
+        mesh.ud = _combine(weights, [field[mesh.index] for _, field in states])
+
+
+def _combine(weights: tuple[float, ...], values: list[Array]) -> Array:
+    return np.asarray(np.einsum("k,kn->n", np.array(weights), np.array(values)))
 
 
 def _elastic(system: System) -> list[int]:

@@ -54,9 +54,7 @@ class Snapshots:
         system = stepper.system
         self._stepper = stepper
         self._bodies = [entry for entry in system.body_entries if entry.visible]
-        order = [
-            [a.index for a in system.attachment_entries if a.body == entry.name] for entry in self._bodies
-        ]
+        order = [[a.index for a in system.attachment_entries if a.body == entry.name] for entry in self._bodies]
         self._attachments = np.array([index for part in order for index in part], dtype=np.int64)
         self._indices = np.array([entry.index for entry in self._bodies], dtype=np.int64)
         self._liaisons = visible_liaisons(system)

@@ -103,7 +103,7 @@ def prepare(
     timings: dict[str, float] = {}
     clock = time.perf_counter()
     meshes: dict[str, MeshBody] = {}
-    recorded = {}
+    recorded: dict[str, RecordedMotion] = {}
     following = has_recorded_motion(model)
     if following:
         recorded, meshes = rigid_run(model, following, progress)
@@ -243,9 +243,7 @@ class _Run:
                 "beyond about 0.2 rad a linear-elastic body on a floating frame is no longer accurate"
             )
         balance, loss = _balance(np.array(self._energies))
-        return _summary(
-            stepper.counts, self._residuals, balance, loss, notes, time.perf_counter() - began, timings
-        )
+        return _summary(stepper.counts, self._residuals, balance, loss, notes, time.perf_counter() - began, timings)
 
     def _loop(self, stepper: Stepper, advance: _Advance, simulation: Simulation, steps: int, every: int) -> float:
         done = 0

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Bodies in moving frames: rigid, Ritz, meshed, prescribed; their attachments."""

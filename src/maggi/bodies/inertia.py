@@ -191,5 +191,3 @@ def _beam_pass(indptr, indices, blocks, w, eps, u, ud, udd, out, sums):  # type:
                             sums[3 * k + l] += u[row] * h * x
                             sums[12 + 3 * k + l] += ud[row] * h * x
             out[row] = value
-
-

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from maggi.linalg.rotations import exp_so3, left_tangent_rates, left_tangent
+from maggi.linalg.rotations import exp_so3, left_tangent, left_tangent_rates
 
 from .tables import RIGID, RITZ, Array, AttachmentState, BodyTable, MotionState
 

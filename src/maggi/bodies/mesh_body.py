@@ -101,7 +101,16 @@ def build_mesh_body(name: str, body: ElasticBody, folder: str) -> MeshBody:
             columns.append(_averaging_columns(mesh.nodes, coupling, freedoms))
     Phi = _rigid_motions(mesh.nodes, freedoms, [c.point for c in couplings if c.rigid])
     return _finish(
-        name, body, mesh, inertia, freedoms.reduce_matrix(matrices.stiffness), damping, freedoms, couplings, columns, Phi
+        name,
+        body,
+        mesh,
+        inertia,
+        freedoms.reduce_matrix(matrices.stiffness),
+        damping,
+        freedoms,
+        couplings,
+        columns,
+        Phi,
     )
 
 
@@ -127,7 +136,16 @@ def _beam_body(name: str, body: ElasticBody, source: BeamMesh, mesh: Mesh) -> Me
     Phi[:, 3:, 3:] = np.eye(3)
     Phi[:, :3, 3:] = -_skew(mesh.nodes)
     return _finish(
-        name, body, mesh, BeamInertia(terms), terms.K, body.material.damping, None, couplings, columns, Phi.reshape(-1, 6)
+        name,
+        body,
+        mesh,
+        BeamInertia(terms),
+        terms.K,
+        body.material.damping,
+        None,
+        couplings,
+        columns,
+        Phi.reshape(-1, 6),
     )
 
 

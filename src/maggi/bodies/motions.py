@@ -85,7 +85,7 @@ def prescribe(table: MotionTable, bodies: BodyTable, t: float, state: MotionStat
         return
     x = t / table.recorded_step
     n = table.recorded_origin.shape[1]
-    k = min(max(int(math.floor(x + 1e-9)), 0), n - 1)
+    k = min(max(math.floor(x + 1e-9), 0), n - 1)
     dt = t - k * table.recorded_step
     if abs(dt) < 1e-9 * table.recorded_step:
         dt = 0.0

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Applied forces: gravity, springs, dampers, point loads."""

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Coefficients of time integration; no bodies in here."""

@@ -34,7 +34,7 @@ def _axis(rotation: Array, frame: Array, k: int, out: Array) -> None:
 
 @njit(cache=True)
 def _dot(a: Array, b: Array) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
 
 @njit(cache=True)

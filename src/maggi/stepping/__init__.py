@@ -1,1 +1,1 @@
-"""TODO."""
+"""The implicit step (Theory §5)."""

@@ -143,8 +143,8 @@ def row_is_rotation(liaisons: LiaisonTable, i: int) -> bool:
     """Whether a row restricts a rotation: its residuals are then in rad, rad/s, rad/s²."""
     kind = liaisons.row_kind[i]
     if kind == DRIVEN or kind == DRIVEN_RATE:
-        return liaisons.coordinate_kind[liaisons.row_first[i]] == ROTATION
-    return kind != OFFSET
+        return bool(liaisons.coordinate_kind[liaisons.row_first[i]] == ROTATION)
+    return bool(kind != OFFSET)
 
 
 @njit(cache=True)

@@ -212,7 +212,7 @@ class MeshStep:
         part = slice(self._start + 6, self._end)
         f, p, q = force[part], position_force[part], velocity_force[part]
         delta = self.free - k.Y @ f
-        shift = 0.0
+        shift = np.zeros(self.u_next.size)
         if p.any() or q.any():
             delta -= k.Z @ p
             if self.body.damping.mass or self.body.damping.stiffness:

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.tables import MESH, RIGID, RITZ
+from maggi.bodies.motions import prescribe
+from maggi.bodies.tables import MESH, RITZ
 from maggi.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha, instantaneous
 from maggi.model.errors import SimulationError
 from maggi.system.system import System
@@ -89,7 +90,7 @@ class Stepper:
         kernels.set_compliances(self.small.bodies, state.now, c, self.system.inertia_floor, work.W)
         for present, following in zip(state.now, state.next, strict=True):
             following[:] = present
-        kernels.prescribe(self.small.motions, self.small.bodies, t, state.next)
+        prescribe(self.small.motions, self.small.bodies, t, state.next)
         for mesh in self.meshes:
             mesh.prepare_start(work.W)
             mesh.u_next[:], mesh.ud_next[:], mesh.udd_next[:] = mesh.u, mesh.ud, mesh.udd
@@ -119,7 +120,7 @@ class Stepper:
                 if not self._mesh_step(t + (k + 1) * self.coefficients.h):
                     return k
             return steps
-        reason, done, corrections = kernels.advance(
+        _, done, corrections = kernels.advance(
             self.small,
             self.coefficients,
             kernels.WHOLE_STEPS,

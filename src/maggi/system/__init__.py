@@ -1,1 +1,1 @@
-"""TODO."""
+"""Model ─► System: bodies, liaisons and forces on one vector of velocities."""

@@ -57,16 +57,12 @@ class BodyList:
     def add_ritz(self, name: str, body: RitzBody) -> int:
         """A Ritz body; integrated here where its description asks for it."""
         terms = body.terms if isinstance(body.terms, RitzTerms) else _integrate(body, body.terms, f"bodies.{name}")
-        return self._add(
-            RITZ, body.motion is None, len(terms.m), terms.mass, terms.S0, terms.J0, terms, pose_of(body)
-        )
+        return self._add(RITZ, body.motion is None, len(terms.m), terms.mass, terms.S0, terms.J0, terms, pose_of(body))
 
     def add_mesh(self, body: MeshBody, pose: tuple[Array, Array]) -> int:
         """A meshed body, with six elastic coordinates for every attachment."""
         inertia = body.inertia
-        return self._add(
-            MESH, body.floating, 6 * len(body.couplings), inertia.mass, inertia.S0, inertia.J0, None, pose
-        )
+        return self._add(MESH, body.floating, 6 * len(body.couplings), inertia.mass, inertia.S0, inertia.J0, None, pose)
 
     def add_rigidified(self, body: MeshBody, pose: tuple[Array, Array]) -> int:
         """A meshed body as a rigid one."""

@@ -204,12 +204,12 @@ class _Builder:
         for key, attachment in body.attachments.items():
             path = f"bodies.{name}.attachments.{key}"
             if attachment.at is None:
-                raise ModelError(
-                    "an attachment of a Ritz body needs a point", path=path, remedy="give `at: [x, y, z]`"
-                )
+                raise ModelError("an attachment of a Ritz body needs a point", path=path, remedy="give `at: [x, y, z]`")
             point = np.array(attachment.at)
             displacement = np.asarray(body.shapes(point[None]))[0]
-            rotation = np.zeros_like(displacement) if body.rotations is None else np.asarray(body.rotations(point[None]))[0]
+            rotation = (
+                np.zeros_like(displacement) if body.rotations is None else np.asarray(body.rotations(point[None]))[0]
+            )
             if not (np.isfinite(displacement).all() and np.isfinite(rotation).all()):
                 raise ModelError("the shape functions are not finite here", path=path, remedy="move the attachment")
             self._attach(name, key, index, point, np.vstack([displacement, rotation]))
@@ -360,12 +360,12 @@ class _Builder:
 
     def _motion_table(self) -> MotionTable:
         functions = FunctionList()
-        rotation, axes = [], []
-        for _, motion, origin, start in self._given:
+        rotations, axes = [], []
+        for _, motion, origin, rotation in self._given:
             for i in range(3):
                 functions.add(expression(float(origin[i])) if motion.origin is None else motion.origin[i])
             functions.add(expression(0.0) if motion.angle is None else motion.angle)
-            rotation.append(start)
+            rotations.append(rotation)
             axis = np.array(motion.axis if motion.axis is not None else (0.0, 0.0, 1.0))
             axes.append(axis / np.linalg.norm(axis))
         start, codes, values = functions.tables()
@@ -373,7 +373,7 @@ class _Builder:
         n = len(replayed[0].origin) if replayed else 1
         return MotionTable(
             integers([g[0] for g in self._given]),
-            numbers(rotation, (-1, 3, 3)),
+            numbers(rotations, (-1, 3, 3)),
             numbers(axes, (-1, 3)),
             start,
             codes,

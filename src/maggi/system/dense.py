@@ -33,7 +33,14 @@ def new_attachments(count: int) -> AttachmentState:
     tangent = np.zeros((count, 3, 3))
     tangent[:] = np.eye(3)
     return AttachmentState(
-        np.zeros((count, 3)), np.zeros((count, 3, 3)), *(np.zeros((count, 3)) for _ in range(5)), tangent
+        position=np.zeros((count, 3)),
+        rotation=np.zeros((count, 3, 3)),
+        velocity=np.zeros((count, 3)),
+        angular_velocity=np.zeros((count, 3)),
+        acceleration=np.zeros((count, 3)),
+        angular_acceleration=np.zeros((count, 3)),
+        arm=np.zeros((count, 3)),
+        tangent=tangent,
     )
 
 
@@ -46,11 +53,16 @@ def new_rows(system: System) -> LiaisonState:
     size = sum(int(width[owner[table.first[j]]] + width[owner[table.second[j]]]) for j in table.row_joint)
     c = table.coordinate_joint.size
     return LiaisonState(
-        np.zeros(size),
-        *(np.zeros(r) for _ in range(4)),
-        np.zeros((r, 2, 3)),
-        np.zeros((r, 2, 3)),
-        *(np.zeros(c) for _ in range(3)),
+        A=np.zeros(size),
+        position=np.zeros(r),
+        velocity=np.zeros(r),
+        acceleration=np.zeros(r),
+        rhs=np.zeros(r),
+        force=np.zeros((r, 2, 3)),
+        moment=np.zeros((r, 2, 3)),
+        coordinate=np.zeros(c),
+        rate=np.zeros(c),
+        previous=np.zeros(c),
     )
 
 
