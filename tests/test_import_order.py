@@ -40,6 +40,7 @@ BELOW: dict[str, tuple[str, ...]] = {
     "cli": ("view", "modelfile", "formulations"),
     # Single modules beside the packages.
     "_numba_cache": (),
+    "api": ("results", "modelfile"),
     "__main__": ("cli",),
 }
 # Not to be used although it is below: the formulations are there to check the projection, and the integrators work on

@@ -59,6 +59,7 @@ def source_key(package: Path) -> str:
         spec = find_spec(name)
         for location in (spec.submodule_search_locations or ()) if spec else ():
             digest.update((Path(location) / file).read_bytes())
+    texts.pop(package / "__init__.py", None)  # the facade names everything and holds no kernel
     for path in seen_by_kernels(texts):
         digest.update(b"%s\0%d\0" % (path.relative_to(package).as_posix().encode(), len(texts[path])))
         digest.update(texts[path])
