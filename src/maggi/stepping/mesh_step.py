@@ -15,7 +15,11 @@ from maggi.elements.products import stiffness_product
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.factor import Factor, factorise
 
+from .nodal_kernels import correct_nodal, predict_nodal
+
 Array = NDArray[np.float64]
+
+PARTS = 16  # of the freedoms, summed separately so that sums do not depend on the number of threads
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +79,7 @@ class MeshStep:
         self.u_next, self.ud_next, self.udd_next, self.a_next = (np.zeros(size) for _ in range(4))
         self.free = np.zeros(size)
         self.correction = 0.0
+        self._squares = np.zeros(PARTS)
         self._force, self._elastic, self._frame = np.zeros(size), np.zeros(size), np.zeros(6)
         self._B_transposed = body.B.T.tocsr()
         self._solve_J6 = np.linalg.inv(body.J6)
@@ -157,15 +162,19 @@ class MeshStep:
 
     def predict(self, c: GeneralizedAlpha, linear: float) -> None:
         """Newmark's state with predicted accelerations (the same formulas as `kernels.predict`)."""
-        h = c.h
-        np.subtract(self.a, self.a_previous, out=self.a_next)
-        self.a_next *= linear
-        self.a_next += self.a
-        self.udd_next = ((1.0 - c.alpha_m) * self.a_next + c.alpha_m * self.a - c.alpha_f * self.udd) / (
-            1.0 - c.alpha_f
+        predict_nodal(
+            c,
+            linear,
+            self.u,
+            self.ud,
+            self.udd,
+            self.a,
+            self.a_previous,
+            self.u_next,
+            self.ud_next,
+            self.udd_next,
+            self.a_next,
         )
-        self.ud_next = self.ud + h * ((1.0 - c.gamma) * self.a + c.gamma * self.a_next)
-        self.u_next = self.u + h * self.ud + h * h * ((0.5 - c.beta) * self.a + c.beta * self.a_next)
 
     def solve_free(self, c: GeneralizedAlpha, motion: MotionState, gravity: Array, base: Array) -> None:
         """Residual at the end of the step without forces at the attachments, and the one back-substitution.
@@ -210,24 +219,26 @@ class MeshStep:
         """Nodal increments from the free ones and the forces at the attachments, (n,) each (step 6)."""
         k = self.constants
         part = slice(self._start + 6, self._end)
-        f, p, q = force[part], position_force[part], velocity_force[part]
-        delta = self.free - k.Y @ f
-        shift = np.zeros(self.u_next.size)
-        if p.any() or q.any():
-            delta -= k.Z @ p
-            if self.body.damping.mass or self.body.damping.stiffness:
-                delta -= k.Z_D @ q
-            shift = k.Y @ p
-            self.ud_next += k.Y @ q
-        self.a_next += delta
-        self.udd_next += c.sigma * delta
-        self.ud_next += c.gamma * c.h * delta
-        self.u_next += c.beta * c.h**2 * delta + shift
-        self.correction = float(np.sqrt(np.mean(delta**2)))
+        correct_nodal(
+            c,
+            self.free,
+            k.Y,
+            k.Z,
+            k.Z_D,
+            force[part],
+            position_force[part],
+            velocity_force[part],
+            self.u_next,
+            self.ud_next,
+            self.udd_next,
+            self.a_next,
+            self._squares,
+        )
+        self.correction = float(np.sqrt(self._squares.sum() / self.u.size))
 
     def accept(self) -> None:
         """Make the end of the step the present."""
-        self.a_previous, self.a = self.a, self.a_next.copy()
+        self.a_previous, self.a, self.a_next = self.a, self.a_next, self.a_previous
         self.u, self.u_next = self.u_next, self.u
         self.ud, self.ud_next = self.ud_next, self.ud
         self.udd, self.udd_next = self.udd_next, self.udd
