@@ -102,7 +102,7 @@ class Snapshots:
         state, gravity = stepper.state, stepper.small.forces.gravity
         small = np.zeros(4)
         small_body_energy(stepper.small.bodies, state.now, gravity, small)
-        result = np.array([small[0], small[1] + state.power[0], small[2], state.work[1], state.work[0]])
+        result = np.array([small[0], small[1] + state.vectors.power[0], small[2], state.vectors.work[1], state.vectors.work[0]])
         for mesh in stepper.meshes:
             result[:3] += mesh.energies(state.now, gravity)
         return result
@@ -124,7 +124,7 @@ class Snapshots:
         state = self._stepper.state
         force, torque = np.zeros((len(self._liaisons), 3)), np.zeros((len(self._liaisons), 3))
         for j, entry in enumerate(self._liaisons):
-            multipliers = state.multipliers[entry.rows]
+            multipliers = state.vectors.multipliers[entry.rows]
             force[j] = -multipliers @ state.rows.force[entry.rows, 1]
             torque[j] = -multipliers @ state.rows.moment[entry.rows, 1]
         return force, torque

@@ -8,12 +8,13 @@ import numpy as np
 from numba import njit
 
 from maggi.bodies.kernels import attachment_motion, inertia_residual, mass_matrix
-from maggi.bodies.motions import prescribe
-from maggi.bodies.tables import FIXED, MESH, RIGID, RITZ, Array, BodyTable, MotionState
+from maggi.bodies.motions import MotionTable, prescribe
+from maggi.bodies.tables import FIXED, MESH, RIGID, RITZ, Array, AttachmentState, BodyTable, IntArray, MotionState
 from maggi.forces.kernels import applied_forces
+from maggi.forces.tables import ForceTable
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.liaisons.kernels import evaluate_rows
-from maggi.liaisons.tables import DRIVEN, DRIVEN_RATE, OFFSET, ROTATION, LiaisonTable
+from maggi.liaisons.tables import DRIVEN, DRIVEN_RATE, OFFSET, ROTATION, LiaisonState, LiaisonTable
 from maggi.linalg.rotations import exp_se3_update
 from maggi.projection.range_space import (
     assemble_compliance,
@@ -24,7 +25,7 @@ from maggi.projection.range_space import (
     transpose_product,
 )
 
-from .tables import SmallSystem, StepState, StepWork
+from .tables import StepVectors, StepWork
 
 CONVERGED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 WHOLE_STEPS, PREDICT, ITERATE, ACCEPT = 0, 1, 2, 3
@@ -34,7 +35,34 @@ ROUND_OFF = 1e-12  # liaison residuals, relative to size, speed and acceleration
 STALLED = 1e-10  # accepted where round-off lets them fall no further
 
 
-@njit(inline="always")
+@njit(cache=True)
+def invert(matrix: Array, out: Array) -> None:
+    """The inverse of a small positive definite matrix, by L D Lᵀ; `matrix` is overwritten."""
+    n = matrix.shape[0]
+    for i in range(n):
+        for j in range(i):
+            value = matrix[i, j]
+            for k in range(j):
+                value -= matrix[i, k] * matrix[j, k] * matrix[k, k]
+            matrix[i, j] = value / matrix[j, j]
+        value = matrix[i, i]
+        for k in range(i):
+            value -= matrix[i, k] * matrix[i, k] * matrix[k, k]
+        matrix[i, i] = value
+    for column in range(n):
+        for i in range(n):
+            value = 1.0 if i == column else 0.0
+            for k in range(column, i):
+                value -= matrix[i, k] * out[k, column]
+            out[i, column] = value
+        for i in range(n - 1, -1, -1):
+            value = out[i, column] / matrix[i, i]
+            for k in range(i + 1, n):
+                value -= matrix[k, i] * out[k, column]
+            out[i, column] = value
+
+
+@njit(cache=True)
 def compliances(bodies: BodyTable, state: MotionState, c: GeneralizedAlpha, floor: Array, W: Array) -> None:
     """W = Ŝ⁻¹ with Ŝ = σM + γhD + βh²K for all rigid and Ritz bodies, as they stand (Eq. T12).
 
@@ -63,15 +91,9 @@ def compliances(bodies: BodyTable, state: MotionState, c: GeneralizedAlpha, floo
         block = W[bodies.block[b] : bodies.block[b + 1]].reshape(size, size)
         block[:, :] = 0.0
         if bodies.floating[b] == 1:
-            block[:, :] = np.linalg.inv(matrix)
+            invert(matrix, block)
         elif n > 0:
-            block[6:, 6:] = np.linalg.inv(matrix[6:, 6:].copy())
-
-
-@njit(cache=True)
-def set_compliances(bodies: BodyTable, state: MotionState, c: GeneralizedAlpha, floor: Array, W: Array) -> None:
-    """`compliances`, to be called from outside."""
-    compliances(bodies, state, c, floor, W)
+            invert(matrix[6:, 6:], block[6:, 6:])
 
 
 @njit(cache=True)
@@ -95,7 +117,16 @@ def move(bodies: BodyTable, now: MotionState, increment: Array, out: MotionState
 
 
 @njit(inline="always")
-def predict(system: SmallSystem, c: GeneralizedAlpha, t: float, linear: float, state: StepState) -> None:
+def predict(
+    bodies: BodyTable,
+    motions: MotionTable,
+    c: GeneralizedAlpha,
+    t: float,
+    linear: float,
+    now: MotionState,
+    next_motion: MotionState,
+    state: StepVectors,
+) -> None:
     """Predicted accelerations (linear: 1 extrapolates, 0 keeps them) and the Newmark state at time t."""
     a = state.a
     a_next = state.a_next
@@ -104,11 +135,10 @@ def predict(system: SmallSystem, c: GeneralizedAlpha, t: float, linear: float, s
     multipliers = state.multipliers
     multipliers_next = state.multipliers_next
     multipliers_previous = state.multipliers_previous
-    v = state.next.v
-    vd = state.next.vd
-    now_v = state.now.v
-    now_vd = state.now.vd
-    bodies = system.bodies
+    v = next_motion.v
+    vd = next_motion.vd
+    now_v = now.v
+    now_vd = now.vd
     for i in range(a.shape[0]):
         a_next[i] = a[i] + linear * (a[i] - a_previous[i])
         vd[i] = ((1.0 - c.alpha_m) * a_next[i] + c.alpha_m * a[i] - c.alpha_f * now_vd[i]) / (1.0 - c.alpha_f)
@@ -116,25 +146,35 @@ def predict(system: SmallSystem, c: GeneralizedAlpha, t: float, linear: float, s
         increment[i] = c.h * now_v[i] + c.h * c.h * ((0.5 - c.beta) * a[i] + c.beta * a_next[i])
     for i in range(multipliers.shape[0]):
         multipliers_next[i] = multipliers[i] + linear * (multipliers[i] - multipliers_previous[i])
-    move(bodies, state.now, increment, state.next)
-    prescribe(system.motions, bodies, t, state.next)
+    move(bodies, now, increment, next_motion)
+    prescribe(motions, bodies, t, next_motion)
 
 
 @njit(inline="always")
-def evaluate_state(system: SmallSystem, t: float, state: StepState, work: StepWork) -> None:
-    """Attachments, liaison rows and applied forces of `state.next`."""
-    attachment_motion(system.bodies, state.next, state.attachments)
-    evaluate_rows(system.liaisons, system.bodies, state.next, state.attachments, t, state.rows)
+def evaluate_state(
+    bodies: BodyTable,
+    liaisons: LiaisonTable,
+    forces: ForceTable,
+    t: float,
+    next_motion: MotionState,
+    attachments: AttachmentState,
+    rows: LiaisonState,
+    loads: Array,
+    power: Array,
+) -> None:
+    """Attachments, liaison rows and applied forces at the end of the step."""
+    attachment_motion(bodies, next_motion, attachments)
+    evaluate_rows(liaisons, bodies, next_motion, attachments, t, rows)
     applied_forces(
-        system.forces,
-        system.bodies,
-        system.liaisons,
-        state.next,
-        state.attachments,
-        state.rows,
+        forces,
+        bodies,
+        liaisons,
+        next_motion,
+        attachments,
+        rows,
         t,
-        work.loads,
-        state.power,
+        loads,
+        power,
     )
 
 
@@ -148,15 +188,15 @@ def row_is_rotation(liaisons: LiaisonTable, i: int) -> bool:
 
 
 @njit(cache=True)
-def scaled_residuals(liaisons: LiaisonTable, state: StepState, out: Array) -> None:
+def scaled_residuals(liaisons: LiaisonTable, rows: LiaisonState, scales: Array, out: Array) -> None:
     """The largest |Φ|, |A v + b|, |A v̇ + γ| over size, speed and acceleration (rotations: as angles); out (3,)."""
     holonomic = liaisons.holonomic
     row_kind = liaisons.row_kind
-    row_position = state.rows.position
-    row_velocity = state.rows.velocity
-    row_acceleration = state.rows.acceleration
+    row_position = rows.position
+    row_velocity = rows.velocity
+    row_acceleration = rows.acceleration
     out[:] = 0.0
-    size, speed, acceleration = state.scales[0], state.scales[1], state.scales[2]
+    size, speed, acceleration = scales[0], scales[1], scales[2]
     for i in range(row_kind.shape[0]):
         arm = size if row_is_rotation(liaisons, i) else 1.0
         x = abs(row_velocity[i]) * arm / speed
@@ -169,7 +209,15 @@ def scaled_residuals(liaisons: LiaisonTable, state: StepState, out: Array) -> No
 
 
 @njit(inline="always")
-def correction_size(bodies: BodyTable, c: GeneralizedAlpha, tolerance: float, state: StepState, delta: Array) -> float:
+def correction_size(
+    bodies: BodyTable,
+    c: GeneralizedAlpha,
+    tolerance: float,
+    next_motion: MotionState,
+    elastic: Array,
+    scales: Array,
+    delta: Array,
+) -> float:
     """The largest component of δ over what counts as one, in units of the tolerance.
 
     Frames are judged by acceleration. Elastic coordinates too, but never finer than what a change of 1e-4 of
@@ -177,10 +225,8 @@ def correction_size(bodies: BodyTable, c: GeneralizedAlpha, tolerance: float, st
     """
     kind = bodies.kind
     offset = bodies.offset
-    elastic = state.elastic
-    elastic_next = state.next.e
-    vd = state.next.vd
-    scales = state.scales
+    elastic_next = next_motion.e
+    vd = next_motion.vd
     largest = 0.0
     size, acceleration = scales[0], scales[2]
     floor = 1e-4 / (c.beta * c.h * c.h) if c.h > 0.0 else 0.0
@@ -206,12 +252,18 @@ def correction_size(bodies: BodyTable, c: GeneralizedAlpha, tolerance: float, st
 
 @njit(inline="always")
 def iterate(
-    system: SmallSystem,
+    bodies: BodyTable,
+    liaisons: LiaisonTable,
+    forces: ForceTable,
     c: GeneralizedAlpha,
     t: float,
     tolerance: float,
     floor: Array,
-    state: StepState,
+    now: MotionState,
+    next_motion: MotionState,
+    attachments: AttachmentState,
+    rows: LiaisonState,
+    state: StepVectors,
     work: StepWork,
 ) -> tuple[int, int]:
     """Newton's iteration on the small system; returns (CONVERGED or why not, number of corrections).
@@ -225,9 +277,7 @@ def iterate(
     after which Φ, A v + b, A v̇ + γ vanish together to first order; the loop takes them to round-off. Full-mesh
     bodies enter by `work.base` (their one back-substitution) and `work.accounted` and are linear here.
     """
-    bodies = system.bodies
-    liaisons = system.liaisons
-    gravity = system.forces.gravity
+    gravity = forces.gravity
     stiffness = bodies.k
     damping = bodies.D
     kind = bodies.kind
@@ -243,12 +293,15 @@ def iterate(
     rho = state.contraction
     increment = state.increment
     multipliers_next = state.multipliers_next
-    v = state.next.v
-    vd = state.next.vd
-    A = state.rows.A
-    row_position = state.rows.position
-    row_velocity = state.rows.velocity
-    row_acceleration = state.rows.acceleration
+    power = state.power
+    scales = state.scales
+    elastic = state.elastic
+    v = next_motion.v
+    vd = next_motion.vd
+    A = rows.A
+    row_position = rows.position
+    row_velocity = rows.velocity
+    row_acceleration = rows.acceleration
     L = work.L
     W = work.W
     W_D = work.W_D
@@ -286,8 +339,8 @@ def iterate(
         if kind[b] == RITZ:
             has_ritz = True
     for iteration in range(MAX_ITERATIONS + 1):
-        evaluate_state(system, t, state, work)
-        scaled_residuals(liaisons, state, residuals)
+        evaluate_state(bodies, liaisons, forces, t, next_motion, attachments, rows, loads, power)
+        scaled_residuals(liaisons, rows, scales, residuals)
         worst = max(residuals[0], residuals[1], residuals[2])
         if not math.isfinite(worst) or not math.isfinite(error):
             return NOT_FINITE, iteration
@@ -307,7 +360,7 @@ def iterate(
         worst_before = worst
         if refresh:
             if has_ritz:
-                compliances(bodies, state.next, c, floor, W)
+                compliances(bodies, next_motion, c, floor, W)
             assemble_compliance(liaisons, bodies, A, W, L)
             independent[0] = factorise(first, start, L, pivot, scale)
             for i in range(r):
@@ -348,7 +401,7 @@ def iterate(
             o = offset[b]
             e = offset[b + 1]
             if kind[b] == RIGID or kind[b] == RITZ:
-                inertia_residual(bodies, b, state.next, gravity, residual[o:e])
+                inertia_residual(bodies, b, next_motion, gravity, residual[o:e])
                 m = e - o - 6
                 q = ritz_square[b]
                 for i in range(m):
@@ -393,9 +446,9 @@ def iterate(
             v[i] += c.gamma * c.h * d + rate_shift[i]
             increment[i] += c.beta * c.h * c.h * d + shift[i]
         if c.h > 0.0:
-            move(bodies, state.now, increment, state.next)
+            move(bodies, now, increment, next_motion)
         previous = error
-        error = correction_size(bodies, c, tolerance, state, delta)
+        error = correction_size(bodies, c, tolerance, next_motion, elastic, scales, delta)
         if iteration > 0 and previous > 0.0:
             contraction = max(min(error / previous, 2.0), 1e-3)
             if contraction > REFRESH_ABOVE:
@@ -405,22 +458,23 @@ def iterate(
 
 
 @njit(inline="always")
-def constraint_power(system: SmallSystem, state: StepState, work: StepWork) -> float:
+def constraint_power(
+    bodies: BodyTable,
+    gravity: Array,
+    next_motion: MotionState,
+    rhs: Array,
+    multipliers_next: Array,
+    applied: Array,
+    base: Array,
+    residual: Array,
+) -> float:
     """Power (W) that driven rows and prescribed frames put into the mechanism: λᵀb and frame force × twist."""
-    bodies = system.bodies
     floating = bodies.floating
     kind = bodies.kind
     offset = bodies.offset
-    applied = state.applied
-    multipliers_next = state.multipliers_next
-    v = state.next.v
-    rhs = state.rows.rhs
-    gravity = system.forces.gravity
-    row_kind = system.liaisons.row_kind
-    base = work.base
-    residual = work.residual
+    v = next_motion.v
     value = 0.0
-    for i in range(row_kind.shape[0]):
+    for i in range(rhs.shape[0]):
         value += multipliers_next[i] * rhs[i]
     for b in range(kind.shape[0]):
         if kind[b] == FIXED or floating[b] == 1:
@@ -430,19 +484,29 @@ def constraint_power(system: SmallSystem, state: StepState, work: StepWork) -> f
             for i in range(o, o + 6):
                 value += (base[i] + applied[i]) * v[i]
         else:
-            inertia_residual(bodies, b, state.next, gravity, residual[o : offset[b + 1]])
+            inertia_residual(bodies, b, next_motion, gravity, residual[o : offset[b + 1]])
             for i in range(o, o + 6):
                 value += (residual[i] + applied[i]) * v[i]
     return value
 
 
 @njit(inline="always")
-def accept(system: SmallSystem, c: GeneralizedAlpha, mesh_dissipation: float, state: StepState, work: StepWork) -> None:
+def accept(
+    bodies: BodyTable,
+    liaisons: LiaisonTable,
+    gravity: Array,
+    c: GeneralizedAlpha,
+    mesh_dissipation: float,
+    now: MotionState,
+    next_motion: MotionState,
+    rows: LiaisonState,
+    state: StepVectors,
+    work: StepWork,
+) -> None:
     """Make `next` the present: integrate work and dissipation by the trapezoidal rule, renew the scales.
 
     mesh_dissipation: power (W) that the damping of meshed bodies takes now.
     """
-    bodies = system.bodies
     kind = bodies.kind
     offset = bodies.offset
     damping = bodies.D
@@ -450,8 +514,8 @@ def accept(system: SmallSystem, c: GeneralizedAlpha, mesh_dissipation: float, st
     multipliers = state.multipliers
     multipliers_next = state.multipliers_next
     multipliers_previous = state.multipliers_previous
-    v = state.next.v
-    transpose_product(system.liaisons, bodies, state.rows.A, multipliers_next, applied)
+    v = next_motion.v
+    transpose_product(liaisons, bodies, rows.A, multipliers_next, applied)
     for i in range(applied.shape[0]):
         applied[i] -= work.loads[i]
     dissipation = state.power[1] + mesh_dissipation
@@ -464,7 +528,10 @@ def accept(system: SmallSystem, c: GeneralizedAlpha, mesh_dissipation: float, st
         for i in range(m):
             for j in range(m):
                 dissipation += v[o + i] * damping[q + i * m + j] * v[o + j]
-    power = constraint_power(system, state, work) + state.power[2]
+    power = constraint_power(
+        bodies, gravity, next_motion, rows.rhs, multipliers_next, applied, work.base, work.residual
+    )
+    power += state.power[2]
     done = state.work
     done[0] += 0.5 * c.h * (done[2] + power)
     done[1] += 0.5 * c.h * (done[3] + dissipation)
@@ -472,28 +539,24 @@ def accept(system: SmallSystem, c: GeneralizedAlpha, mesh_dissipation: float, st
     done[3] = dissipation
     state.a_previous[:] = state.a
     state.a[:] = state.a_next
-    state.now.e[:] = state.next.e
-    state.now.v[:] = v
-    state.now.vd[:] = state.next.vd
-    state.now.origin[:] = state.next.origin
-    state.now.rotation[:] = state.next.rotation
+    now.e[:] = next_motion.e
+    now.v[:] = v
+    now.vd[:] = next_motion.vd
+    now.origin[:] = next_motion.origin
+    now.rotation[:] = next_motion.rotation
     for i in range(multipliers.shape[0]):
         multipliers_previous[i] = multipliers[i]
         multipliers[i] = multipliers_next[i]
-    state.rows.previous[:] = state.rows.coordinate
-    update_scales(bodies, state)
+    rows.previous[:] = rows.coordinate
+    update_scales(bodies.kind, bodies.offset, now, state.elastic, state.scales)
 
 
 @njit(inline="always")
-def update_scales(bodies: BodyTable, state: StepState) -> None:
+def update_scales(kind: IntArray, offset: IntArray, now: MotionState, elastic: Array, scales: Array) -> None:
     """Speed and acceleration of the mechanism: the largest so far, fading over some hundred steps."""
-    kind = bodies.kind
-    offset = bodies.offset
-    elastic = state.elastic
-    now_e = state.now.e
-    now_v = state.now.v
-    now_vd = state.now.vd
-    scales = state.scales
+    now_e = now.e
+    now_v = now.v
+    now_vd = now.vd
     speed = 0.99 * scales[1]
     acceleration = 0.99 * scales[2]
     size = scales[0]
@@ -520,7 +583,10 @@ def update_scales(bodies: BodyTable, state: StepState) -> None:
 
 @njit(cache=True)
 def advance(
-    system: SmallSystem,
+    bodies: BodyTable,
+    motions: MotionTable,
+    liaisons: LiaisonTable,
+    forces: ForceTable,
     c: GeneralizedAlpha,
     phase: int,
     t: float,
@@ -529,7 +595,11 @@ def advance(
     tolerance: float,
     floor: Array,
     mesh_dissipation: float,
-    state: StepState,
+    now: MotionState,
+    next_motion: MotionState,
+    attachments: AttachmentState,
+    rows: LiaisonState,
+    state: StepVectors,
     work: StepWork,
 ) -> tuple[int, int, int]:
     """Up to `steps` steps from time t, or one phase of a step; returns (reason it ended, steps done, corrections).
@@ -542,12 +612,14 @@ def advance(
     for k in range(steps):
         end = t + (k + 1) * c.h
         if phase == WHOLE_STEPS or phase == PREDICT:
-            predict(system, c, end, linear if k == 0 else 1.0, state)
+            predict(bodies, motions, c, end, linear if k == 0 else 1.0, now, next_motion, state)
         if phase == WHOLE_STEPS or phase == ITERATE:
-            reason, corrections = iterate(system, c, end, tolerance, floor, state, work)
+            reason, corrections = iterate(
+                bodies, liaisons, forces, c, end, tolerance, floor, now, next_motion, attachments, rows, state, work
+            )
             total += corrections
             if reason != CONVERGED:
                 return reason, k, total
         if phase == WHOLE_STEPS or phase == ACCEPT:
-            accept(system, c, mesh_dissipation, state, work)
+            accept(bodies, liaisons, forces.gravity, c, mesh_dissipation, now, next_motion, rows, state, work)
     return CONVERGED, steps, total

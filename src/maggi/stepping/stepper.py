@@ -80,7 +80,7 @@ class Stepper:
             return
         self.coefficients = generalized_alpha(h, self._rho_inf)
         c, work = self.coefficients, self.work
-        kernels.set_compliances(self.small.bodies, self.state.now, c, self.system.inertia_floor, work.W)
+        kernels.compliances(self.small.bodies, self.state.now, c, self.system.inertia_floor, work.W)
         for mesh in self.meshes:
             self._announce(f"factorising {mesh.body.name} ({mesh.body.size:,} freedoms)")
             self.counts.factorisations += mesh.prepare(c, work.W, work.W_Z, work.W_D)
@@ -91,7 +91,7 @@ class Stepper:
         """True accelerations and liaison forces of the present state (Eq. T10), the algorithmic ones set equal."""
         c = instantaneous()
         state, work = self.state, self.work
-        kernels.set_compliances(self.small.bodies, state.now, c, self.system.inertia_floor, work.W)
+        kernels.compliances(self.small.bodies, state.now, c, self.system.inertia_floor, work.W)
         for present, following in zip(state.now, state.next, strict=True):
             following[:] = present
         prescribe(self.small.motions, self.small.bodies, t, state.next)
@@ -100,18 +100,18 @@ class Stepper:
             mesh.u_next[:], mesh.ud_next[:], mesh.udd_next[:] = mesh.u, mesh.ud, mesh.udd
             mesh.a_next[:] = mesh.udd
         self.coefficients = c
-        state.a_next[:] = state.next.vd
+        state.vectors.a_next[:] = state.next.vd
         self._converge(c, t, exact=True)
-        state.a_next[:] = state.next.vd
+        state.vectors.a_next[:] = state.next.vd
         self._phase(kernels.ACCEPT, c, t)
         for mesh in self.meshes:
             mesh.a_next[:] = mesh.udd_next
             mesh.accept()
             mesh.a_previous = mesh.a.copy()
-        state.a_previous[:] = state.a
-        state.multipliers_previous[:] = state.multipliers
+        state.vectors.a_previous[:] = state.vectors.a
+        state.vectors.multipliers_previous[:] = state.vectors.multipliers
         for mesh in self.meshes:
-            mesh.write_small(state.now, state.a)
+            mesh.write_small(state.now, state.vectors.a)
         self._smooth = False
 
     def advance(self, t: float, steps: int) -> int:
@@ -125,7 +125,7 @@ class Stepper:
                     return k
             return steps
         _, done, corrections = kernels.advance(
-            self.small,
+            *self.small,
             self.coefficients,
             kernels.WHOLE_STEPS,
             t,
@@ -134,7 +134,7 @@ class Stepper:
             self._tolerance,
             self.system.inertia_floor,
             0.0,
-            self.state,
+            *self.state,
             self.work,
         )
         self.counts.steps += done
@@ -147,7 +147,7 @@ class Stepper:
         """One phase of the small system's step that ends at time `end`; returns (reason, corrections)."""
         dissipation = math.fsum(mesh.dissipation() for mesh in self.meshes) if phase == kernels.ACCEPT else 0.0
         reason, _, corrections = kernels.advance(
-            self.small,
+            *self.small,
             c,
             phase,
             end - c.h,
@@ -156,7 +156,7 @@ class Stepper:
             self._tolerance,
             self.system.inertia_floor,
             dissipation,
-            self.state,
+            *self.state,
             self.work,
         )
         return reason, corrections
@@ -178,7 +178,7 @@ class Stepper:
             for mesh in self.meshes:
                 mesh.settle()
         for mesh in self.meshes:
-            mesh.write_small(state.now, state.a)
+            mesh.write_small(state.now, state.vectors.a)
         self._smooth = True
         return True
 
@@ -211,7 +211,7 @@ class Stepper:
                 return False
 
     def _enough(self, c: GeneralizedAlpha, sizes: list[float], exact: bool) -> bool:
-        scale = self.state.scales[2]
+        scale = self.state.vectors.scales[2]
         if c.h == 0.0:
             return sizes[-1] <= 1e-12 * scale or (len(sizes) >= 4 and sizes[-1] >= 0.5 * sizes[-2])
         reach = 1.0 / (c.beta * c.h**2)
@@ -225,7 +225,7 @@ class Stepper:
     def residuals(self) -> Array:
         """Scaled liaison residuals at position, velocity and acceleration level of the last step, (3,)."""
         out = np.zeros(3)
-        kernels.scaled_residuals(self.system.liaisons, self.state, out)
+        kernels.scaled_residuals(self.system.liaisons, self.state.rows, self.state.vectors.scales, out)
         return out
 
     def failure(self, t: float) -> SimulationError:

@@ -19,21 +19,18 @@ class SmallSystem(NamedTuple):
     forces: ForceTable
 
 
-class StepState(NamedTuple):
-    """The state of a run, advanced in place. n small coordinates, r rows.
+class StepVectors(NamedTuple):
+    """What a step carries beside motions and rows. n small coordinates, r rows.
 
-    now, next: motions at the beginning and at the end of the step. a, a_next, a_previous (n,): algorithmic
-    accelerations. increment (n,): Δq of the step. multipliers, multipliers_previous (r,): λ (Eq. T11).
-    attachments, rows: kinematics and liaison rows of `next`. applied (n,): forces Aᵀλ − Q in small coordinates.
+    a, a_next, a_previous (n,): algorithmic accelerations. increment (n,): Δq of the step. multipliers,
+    multipliers_next, multipliers_previous (r,): λ (Eq. T11). applied (n,): forces Aᵀλ − Q in small coordinates.
     work (4,): work of drivers, loads and prescribed frames and energy dissipated (J), and their present rates (W).
-    power (3,): energy stored in springs (J), power of dampers and of loads (W), at `next`.
+    power (3,): energy stored in springs (J), power of dampers and of loads (W), at the step's end.
     scales (5,): the mechanism's size (m), speed (m/s), acceleration (m/s²), and the least of the last two.
     elastic (b, 2): the largest |e| and |ë| of each body lately. contraction (2,): of the iteration, and the
     number of steps since it was last measured.
     """
 
-    now: MotionState
-    next: MotionState
     a: Array
     a_next: Array
     a_previous: Array
@@ -41,14 +38,27 @@ class StepState(NamedTuple):
     multipliers: Array
     multipliers_next: Array
     multipliers_previous: Array
-    attachments: AttachmentState
-    rows: LiaisonState
     applied: Array
     work: Array
     power: Array
     scales: Array
     elastic: Array
     contraction: Array
+
+
+class StepState(NamedTuple):
+    """The state of a run, advanced in place: motions at the beginning and the end of the step, the end's
+    attachments and liaison rows, and the rest.
+
+    The kernels take these parts as arguments of their own: the compiler copies a tuple whole at every access, so
+    nested ones cost it minutes.
+    """
+
+    now: MotionState
+    next: MotionState
+    attachments: AttachmentState
+    rows: LiaisonState
+    vectors: StepVectors
 
 
 class StepWork(NamedTuple):
