@@ -1,5 +1,7 @@
 """The number of back-substitutions that a step gets, by scripted sizes of its corrections."""
 
+from itertools import pairwise
+
 import pytest
 
 from maggi.stepping.policy import CHECK_EVERY, CHECK_SOLVES, FIRST, ROUGH, SolvePolicy
@@ -40,7 +42,7 @@ def test_smooth_motion_takes_one_solve_and_a_check_now_and_then():
     assert set(counts) == {1, CHECK_SOLVES}
     assert counts.count(CHECK_SOLVES) == 10
     checks = [k for k, count in enumerate(counts) if count == CHECK_SOLVES]
-    assert {later - earlier for earlier, later in zip(checks, checks[1:], strict=False)} == {CHECK_EVERY}
+    assert {later - earlier for earlier, later in pairwise(checks)} == {CHECK_EVERY}
 
 
 def test_rough_motion_takes_two():
