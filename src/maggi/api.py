@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from maggi.analyses.audit import Audit
+    from maggi.analyses.audit_report import Audit
     from maggi.analyses.recorder import Progress
     from maggi.model.model import Model
     from maggi.results.results import Results

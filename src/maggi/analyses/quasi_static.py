@@ -94,7 +94,7 @@ class QuasiStatic:
         residual, free = self._inertia(motion, fields)
         applied = rows.A.T @ self._multipliers - loads
         # elastic coordinates that the present inertia alone gives, e₀, and per unit multipliers
-        target = np.zeros(n)
+        target = motion.e.copy()  # which bodies with given initial values keep
         compliance = np.zeros((n, n))
         rigid_columns, rigid_rows = [], []
         for body in self._bodies:
@@ -242,6 +242,8 @@ def quasi_static_start(system: System, motion: MotionState, meshes: list[MeshSte
 
     dt (s): the difference step of the rates. The motion is continued with the accelerations of the balance.
     """
+    if not _elastic(system):
+        return
     static = QuasiStatic(system, meshes)
     fields = static.deform(motion, 0.0)
     moving = floating_velocities(system)

@@ -14,8 +14,12 @@ from .outcome import Outcome
 @options.model
 @options.overrides
 @options.as_json
-def check(model: str, overrides: tuple[str, ...], as_json: bool) -> None:
-    """Check MODEL without running it: freedoms, masses, node sets, liaisons and their rank."""
+@click.pass_context
+def check(ctx: click.Context, model: str, overrides: tuple[str, ...], as_json: bool) -> None:
+    """Check MODEL without running it: freedoms, masses, node sets, liaisons and their rank.
+
+    What stands against a run is told last, and makes the exit status 2.
+    """
     from maggi.modelfile import read
 
     described, source = read(model, overrides)
@@ -25,7 +29,11 @@ def check(model: str, overrides: tuple[str, ...], as_json: bool) -> None:
         found = audit(described)
     except ModelError as error:
         raise (source.locate(error) if error.path else error) from error
+    problems = tuple(source.locate(problem) for problem in found.problems)
+    outcome = Outcome("error" if problems else "complete", errors=problems, more={"model": found.data()})
     if as_json:
-        Outcome("complete", more={"model": found.data()}).print_json()
+        outcome.print_json()
     else:
         click.echo(found.text())
+    outcome.print_errors()
+    ctx.exit(outcome.exit_code)

@@ -58,11 +58,11 @@ def _plot_model(file: str, overrides: tuple[str, ...], folder: Path) -> list[Pat
     from maggi.modelfile import read
 
     described, source = read(file, overrides)
-    from maggi.analyses.audit import scene
+    from maggi.analyses.build_scene import build_scene
     from maggi.view.plots import plot_scene
 
     try:
-        drawn = scene(described)
+        drawn = build_scene(described)
     except ModelError as error:
         raise (source.locate(error) if error.path else error) from error
     return plot_scene(drawn, folder, Path(file).stem)

@@ -72,9 +72,9 @@ def project(A: Array, scale: Array | None = None) -> Projection:
     scaled = A / scale
     size = np.linalg.norm(scaled, axis=1)
     scaled = scaled / np.where(size > 0.0, size, 1.0)[:, None]
-    if m == 0:
+    if m == 0 or n == 0:
         empty = np.empty(0, dtype=np.int64)
-        return Projection(A, np.eye(n), np.arange(n), empty, empty, empty, np.inf)
+        return Projection(A, np.eye(n), np.arange(n), empty, empty, np.arange(m), np.inf)
     _, R, order = qr(scaled, mode="economic", pivoting=True)
     pivots = np.abs(np.diag(R))
     rank = int(np.sum(pivots > RANK_TOLERANCE * max(pivots[0], 1e-300)))
@@ -83,9 +83,8 @@ def project(A: Array, scale: Array | None = None) -> Projection:
     dependent, independent = order[:rank], order[rank:]
     S = np.zeros((n, n - rank))
     S[independent, np.arange(n - rank)] = 1.0
-    S[dependent] = -solve_triangular(R[:rank, :rank], R[:rank, rank:])
-    # back from scaled velocities: v = scaled / scale
-    S = S / scale[:, None] * scale[independent]
+    # R is that of scaled velocities: v = scaled / scale
+    S[dependent] = -solve_triangular(R[:rank, :rank], R[:rank, rank:]) / scale[dependent, None] * scale[independent]
     row_order = qr(scaled.T, mode="r", pivoting=True)[1]
     rows, redundant = np.sort(row_order[:rank]), np.sort(row_order[rank:])
     return Projection(A, S, independent, dependent, rows, redundant, gap)

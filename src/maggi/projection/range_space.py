@@ -22,9 +22,9 @@ def assemble_compliance(rows: LiaisonTable, bodies: BodyTable, A: Array, W: Arra
     out[:] = 0.0
     for b in range(bodies.kind.shape[0]):
         start, end = rows.incidence_start[b], rows.incidence_start[b + 1]
-        if bodies.kind[b] == FIXED or start == end:
-            continue
         n = bodies.offset[b + 1] - bodies.offset[b]
+        if start == end or (bodies.floating[b] == 0 and n <= 6):
+            continue  # nothing of it moves but as prescribed: no compliance
         block = W[bodies.block[b] : bodies.block[b + 1]].reshape(n, n)
         product = np.empty(n)
         for x in range(start, end):

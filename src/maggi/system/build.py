@@ -257,19 +257,22 @@ class _Builder:
             place = np.array(joint.at)
         else:
             place = self._bodies.attachment_position(self._named(named[0], f"{path}.between"))
-        first, second = (self._marker(end, place, f"{path}.between") for end in ends)
+        elsewhere = joint.at is not None
+        first, second = (self._marker(end, place, f"{path}.between", elsewhere) for end in ends)
         self._extent.append(place)
         self._liaisons.add_joint(
             name, kind, first, second, _joint_frame(kind, joint, path), (str(joint.first), str(joint.second))
         )
 
-    def _marker(self, end: End, place: Array, path: str) -> int:
-        """The attachment of a joint's end: the named one, or a point of a rigid body or of ground."""
+    def _marker(self, end: End, place: Array, path: str, elsewhere: bool) -> int:
+        """The attachment of a joint's end: the named one, or a point of a rigid body or of ground.
+
+        elsewhere : the joint's place was given by itself, and may be another point of a named rigid body.
+        """
         if end.attachment is not None:
             attachment = self._named(end, path)
-            gap = float(np.linalg.norm(place - self._bodies.attachment_position(attachment)))
             index = self._body_index[end.body]
-            if gap == 0.0 or self._bodies.is_elastic(index):
+            if not elsewhere or self._bodies.is_elastic(index):
                 return attachment
             # the joint's point, on the same rigid body
             return self._bodies.add_attachment(index, self._bodies.to_body(index, place))

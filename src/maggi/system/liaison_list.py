@@ -155,8 +155,9 @@ class LiaisonList:
             for attachment in self._ends[joint]:
                 body = self._bodies.attachment_body(attachment)
                 pair.append(cursor)
+                # prescribed bodies too: the liaison forces on them are what drives them
+                incidence[body].append((i, cursor))
                 if self._bodies.moves(body):
-                    incidence[body].append((i, cursor))
                     touched[i].add(body)
                 cursor += int(width[body])
             segments.append(pair)

@@ -1,0 +1,126 @@
+"""An audit as text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .audit_report import Audit, BodyReport, LiaisonReport, NodeSetReport
+from .mobility import Mobility, Redundant
+
+Array = NDArray[np.float64]
+
+
+def audit_text(audit: Audit) -> str:
+    """The text of `maggi check`."""
+    return "\n".join(_lines(audit))
+
+
+def _lines(audit: Audit) -> Iterator[str]:
+    yield audit.title or "Model without a title"
+    yield f"extent {audit.size:.6g} m, gravity {_vector(np.array(audit.gravity), 1.0)} m/s²"
+    yield from _section("Bodies", (line for body in audit.bodies for line in _body(body, audit.size)))
+    yield from _section("Joints and drivers", _table(_liaison(one, audit.size) for one in audit.liaisons))
+    yield from _section("Forces", _table((one.name, one.kind, " – ".join(one.on)) for one in audit.forces))
+    yield from _section("Freedoms at the initial pose", _mobility(audit.mobility))
+    notes = [*audit.notes]
+    if audit.unused:
+        notes.append(f"attachments that nothing uses: {', '.join(audit.unused)}")
+    yield from _section("Notes", notes)
+
+
+def _section(title: str, lines: Iterable[str]) -> Iterator[str]:
+    listed = list(lines)
+    if listed:
+        yield ""
+        yield title
+        yield from (f"  {line}" for line in listed)
+
+
+def _body(body: BodyReport, size: float) -> Iterator[str]:
+    kind = {"mesh": "elastic, full mesh", "ritz": "elastic, shape functions"}.get(body.kind, body.kind)
+    frame = "" if body.frame == "floating" else ", prescribed frame"
+    yield f"{body.name} ({kind}{frame}): {_count(body.freedoms, 'freedom')}"
+    yield f"  mass {body.mass:.6g} kg, centre of mass {_vector(body.center_of_mass, size)} m (global)"
+    moments = np.linalg.eigvalsh(body.inertia)
+    yield f"  principal moments of inertia {', '.join(f'{moment:.4g}' for moment in moments)} kg m²"
+    if body.bounding_box is not None:
+        low, high = body.bounding_box
+        cells = ", ".join(f"{count:,} {kind}" for kind, count in body.cells.items())
+        yield f"  mesh: {_count(body.nodes, 'node')}, {cells}; from {_vector(low, size)} to {_vector(high, size)} m (body frame)"
+    yield from (f"  {line}" for line in _table(_node_set(one, size) for one in body.node_sets))
+    rows = []
+    for one in body.attachments:
+        held = f"{_count(one.nodes, 'node')}, {one.coupling}" if one.coupling else ""
+        rows.append((f"attachment {one.name}", f"at {_vector(one.position, size)} m (global)", held))
+    yield from (f"  {line}" for line in _table(rows))
+
+
+def _node_set(one: NodeSetReport, size: float) -> tuple[str, ...]:
+    shape = one.kind
+    if one.radius is not None:
+        shape += f" of radius {one.radius:.5g} m"
+    if one.axis is not None:
+        role = {"cylinder": "axis", "line": "direction", "general": "longest along"}.get(one.kind, "normal")
+        shape += f", {role} {_vector(one.axis, 1.0)}"
+    center = "" if one.centroid is None else f"centroid {_vector(one.centroid, size)} m (body frame)"
+    return f"set {one.name}", _count(one.nodes, "node"), center, shape
+
+
+def _liaison(one: LiaisonReport, size: float) -> tuple[str, ...]:
+    rows = _count(one.rows, "row")
+    if one.drives is not None:
+        joint, quantity, function = one.drives
+        return one.name, "driver", f"{quantity} of {joint} = {function}", rows, ""
+    place = f"at {_vector(one.position, size)} m" + ("" if one.axis is None else f", axis {_vector(one.axis, 1.0)}")
+    return one.name, one.kind, f"{one.first} – {one.second}", rows, place
+
+
+def _mobility(found: Mobility) -> Iterator[str]:
+    drivers = f", {found.drivers} of them drivers'" if found.drivers else ""
+    yield f"{found.velocities:,} velocities without liaisons (a mesh counts with all its nodes)"
+    yield f"− {found.rank:,} independent rows of {found.rows:,}{drivers}"
+    yield f"= {_count(found.freedoms, 'true freedom')}"
+    yield from _redundant("redundant rows, which do no harm", found.redundant)
+    if found.velocities != found.rigid_velocities:
+        yield (
+            f"with every elastic body rigid: {found.rigid_velocities} velocities − {found.rigid_rank} independent rows "
+            f"= mobility {found.rigid_mobility}"
+        )
+        if len(found.rigid_redundant) > len(found.redundant):
+            yield from _redundant(
+                "rows that elasticity alone keeps apart, so that stiffness decides how their forces share",
+                found.rigid_redundant,
+            )
+    yield f"Grübler's count, which takes no notice of redundancy: {found.gruebler}"
+    yield f"singular values of the rows on either side of the rank: {found.smallest_kept:.2g}, {found.largest_dropped:.1g}"
+
+
+def _redundant(title: str, rows: tuple[Redundant, ...]) -> Iterator[str]:
+    if not rows:
+        return
+    yield f"{title} (z: the joint's axis):"
+    for one in rows:
+        what = f"repeats rows of {', '.join(one.repeats)}" if one.repeats else "has nothing free to act on"
+        yield f"  {one.row} {what}"
+
+
+def _table(rows: Iterable[tuple[str, ...]]) -> list[str]:
+    """Rows of texts as lines with aligned columns."""
+    listed = list(rows)
+    if not listed:
+        return []
+    widths = [max(len(cell) for cell in column) for column in zip(*listed, strict=True)]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in listed]
+    return [line.rstrip() for line in lines]
+
+
+def _vector(values: Array, size: float) -> str:
+    """Components, without the dust that round-off leaves of what is zero beside `size`."""
+    return "[" + ", ".join(f"{0.0 if abs(x) < 1e-12 * size else x:.6g}" for x in values.tolist()) + "]"
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number:,} {what}" + ("" if number == 1 else "s")

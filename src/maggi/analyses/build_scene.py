@@ -1,0 +1,52 @@
+"""Model ─► Scene: bodies, attachments and joints where they stand before anything moves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from maggi.model.model import Model
+from maggi.system.build import build_system
+
+from .first_instant import frames_at_rest
+from .scene import Scene, SceneAttachment, SceneBody, SceneJoint
+from .snapshot import KINDS, visible_liaisons
+
+
+def build_scene(model: Model) -> Scene:
+    """What a drawing of the mechanism in its initial pose needs.
+
+    Joints are drawn as they are given: gaps between their ends stay visible. Raises ModelError for whatever cannot
+    be built, naming the body, joint or force.
+    """
+    system = build_system(model, recorded=frames_at_rest(model))
+    table, start = system.bodies, system.start
+    bodies = []
+    for entry in system.body_entries:
+        if not entry.visible:
+            continue
+        b = entry.index
+        mass, mesh = float(table.mass[b]), system.mesh_bodies.get(b)
+        center = table.S0[b] / mass if mass > 0.0 else np.zeros(3)
+        bodies.append(
+            SceneBody(
+                entry.name,
+                KINDS.get(int(table.kind[b]), "rigid"),
+                start.origin[b],
+                start.rotation[b],
+                start.origin[b] + start.rotation[b] @ center,
+                None if mesh is None else mesh.mesh.nodes,
+                None if mesh is None else mesh.mesh.cells,
+            )
+        )
+    attachments = []
+    for place in system.attachment_entries:
+        b = int(table.attachment_body[place.index])
+        position = start.origin[b] + start.rotation[b] @ table.attachment_point[place.index]
+        attachments.append(SceneAttachment(place.body, place.name, position))
+    joints = [
+        SceneJoint(entry.name, entry.kind, entry.first, entry.second, entry.position, entry.axis)
+        for entry in visible_liaisons(system)
+    ]
+    return Scene(
+        model.title, np.array(model.gravity, dtype=np.float64), tuple(bodies), tuple(attachments), tuple(joints)
+    )

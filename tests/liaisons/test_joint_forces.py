@@ -1,0 +1,41 @@
+"""The sign of joint forces: by first on second, about the joint's point on second, in global axes (T11)."""
+
+import numpy as np
+import pytest
+from motions import rows_at
+
+from maggi.bodies.kernels import inertia_residual
+from maggi.model.bodies import RigidBody
+from maggi.model.geometry import Pose
+from maggi.model.joints import End, Joint
+from maggi.model.model import Model
+from maggi.projection.maggi import liaison_forces, project
+from maggi.system.build import build_system
+from maggi.system.dense import dense_rows
+
+MASS, GRAVITY = 3.0, 9.0
+CENTER, PIN = np.array([0.5, 0.2, -0.1]), np.array([0.1, 0.0, 0.4])
+TURN = ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize("order", [("ground", "body"), ("body", "ground")])
+@pytest.mark.parametrize("name", ["weld", "revolute", "prismatic"])
+def test_joint_carries_a_body_at_rest(name, order):
+    """Ground pushes up with m g and holds the moment of the weight; as second, ground feels the opposite."""
+    body = RigidBody(MASS, tuple(CENTER), pose=Pose((1.0, 2.0, 3.0), TURN))
+    place = np.array([1.0, 2.0, 3.0]) + np.array(TURN) @ PIN
+    # axes about and along which the weight does nothing
+    axis = (0.0, 0.0, 1.0) if name == "revolute" else (1.0, 0.0, 0.0)
+    joint = Joint(name, End(order[0]), End(order[1]), at=tuple(place), axis=axis)
+    system = build_system(Model({"body": body}, {"joint": joint}, gravity=(0.0, 0.0, -GRAVITY)))
+    state = system.start
+    weight = np.empty(6)
+    inertia_residual(system.bodies, 1, state, system.forces.gravity, weight)
+    rows = rows_at(system, state, 0.0)
+    multipliers = liaison_forces(project(dense_rows(system, state, 0.0).A), -weight)
+    force, torque = -multipliers @ rows.force[:, 1], -multipliers @ rows.moment[:, 1]
+    up = np.array([0.0, 0.0, MASS * GRAVITY])
+    holding = np.cross(np.array(TURN) @ (CENTER - PIN), up)
+    sign = 1.0 if order[0] == "ground" else -1.0
+    np.testing.assert_allclose(force, sign * up, atol=1e-12)
+    np.testing.assert_allclose(torque, sign * holding, atol=1e-12)
