@@ -107,7 +107,7 @@ def test_what_a_run_notes_is_a_warning(monkeypatch, swing):
 def _rows():
     from maggi.analyses.recorder import Layout
 
-    return Layout((), (), (), 1, {})
+    return Layout((), (), 1, {})
 
 
 def test_a_failed_run_says_so_in_its_file(swing, tmp_path, monkeypatch):

@@ -42,7 +42,7 @@ def test_groups_and_values(results, tmp_path):
         ("attachments", "rod.big_end.velocity.x [m/s]", results.body("rod").attachment("big_end").velocity[:, 0]),
         ("joints", "crankpin.force.x [N]", results.joint("crankpin").force[:, 0]),
         ("joints", "motor.torque.y [N m]", results.joint("motor").torque[:, 1]),
-        ("joints", "wristpin.coordinate.2 [m or rad]", results.joint("wristpin").coordinate[:, 1]),
+        ("joints", "wristpin.coordinate.2 [rad]", results.joint("wristpin").coordinate[:, 1]),
         ("energy", "work [J]", results.energy.work),
         ("residuals", "acceleration [1]", results.residuals.acceleration),
     ]

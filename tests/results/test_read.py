@@ -46,6 +46,10 @@ def test_everything_by_name(results):
     rod = results.body("rod")
     assert rod.kind == "mesh"
     assert rod.attachments == ("big_end", "small_end")
+    wristpin = results.joint("wristpin")
+    assert (wristpin.kind, wristpin.ends) == ("cylindrical", ("rod.small_end", "piston.pin"))
+    assert wristpin.units == ("m", "rad")
+    assert results.joint("clamp").units == ()
     assert rod.cells["hex8"].shape == (192, 8)
     assert rod.nodes.shape == (396, 3)
     pairs = [
@@ -57,6 +61,8 @@ def test_everything_by_name(results):
         (rod.attachment("small_end").rotation[k], one.attachment_rotation[2]),
         (rod.attachment("small_end").velocity[k], one.velocity[2]),
         (rod.attachment("small_end").angular_velocity[k], one.angular_velocity[2]),
+        (rod.attachment("small_end").at, [fake_runs.ROD, 0.0, 0.0]),
+        (results.joint("crankpin").position[k], one.joint_position[1]),
         (results.joint("crankpin").force[k], one.force[1]),
         (results.joint("motor").torque[k], one.torque[3]),
         (results.joint("wristpin").coordinate[k], one.coordinate[2]),

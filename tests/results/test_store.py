@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import maggi
+from maggi.analyses.recorder import JointLayout
 from maggi.model.errors import ModelError, SimulationError
 from maggi.results import store
 from maggi.results.read import read
@@ -33,10 +34,12 @@ CONTRACT = {
     "bodies/rod/attachments/big_end/rotation": (11, 3, 3),
     "bodies/rod/attachments/small_end/velocity": (11, 3),
     "bodies/piston/attachments/pin/angular_velocity": (11, 3),
+    "bodies/rod/attachments/small_end/at": (3,),
     "bodies/rod/displacement": (11, 396, 3),
     "bodies/rod/mesh/nodes": (396, 3),
     "bodies/rod/mesh/cells/hex8": (192, 8),
     "bodies/blade/modal": (11, 2),
+    "joints/crankpin/position": (11, 3),
     "joints/crankpin/force": (11, 3),
     "joints/motor/torque": (11, 3),
     "joints/bearing/coordinate": (11, 1),
@@ -74,6 +77,15 @@ def test_contract(target):
         assert file.attrs["version"] == maggi.__version__
         assert file.attrs["status"] == "complete"
         assert file["bodies/rod"].attrs["kind"] == "mesh"
+        wristpin = {
+            "kind": "cylindrical",
+            "first": "rod.small_end",
+            "second": "piston.pin",
+            "coordinate_units": "m rad",
+        }
+        assert dict(file["joints/wristpin"].attrs) == wristpin
+        assert file["joints/wristpin/coordinate"].attrs["unit"] == "m, rad"
+        assert file["joints/bearing/coordinate"].attrs["unit"] == "rad"
 
 
 def test_values_are_those_of_the_rows(target):
@@ -256,8 +268,9 @@ def test_a_disk_that_is_too_small_is_noticed_before_the_run(target):
 
 @pytest.mark.parametrize("name", ["", ".", "a/b", "a\0b"])
 def test_names_that_cannot_be_paths(target, name):
+    joint = JointLayout(name, "weld", "ground", "rod", ())
     with pytest.raises(ModelError, match="cannot stand"):
-        FileRecorder(target).begin(replace(fake_runs.layout(1), joints=(name,), coordinates=(1,)))
+        FileRecorder(target).begin(replace(fake_runs.layout(1), joints=(joint,)))
 
 
 def run_script(script, *arguments, **options):

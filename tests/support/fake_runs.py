@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from maggi.analyses.recorder import BodyLayout, Layout, Recorder, Row
+from maggi.analyses.recorder import BodyLayout, JointLayout, Layout, Recorder, Row
 from maggi.analyses.scene import Scene, SceneAttachment, SceneBody, SceneJoint
 
 CRANK, ROD, SPEED = 0.05, 0.16, 200.0  # m, m, rad/s
@@ -35,13 +35,18 @@ def layout(rows: int) -> Layout:
     nodes, cells = box_mesh()
     return Layout(
         bodies=(
-            BodyLayout("crank", "rigid", ("pin",)),
-            BodyLayout("rod", "mesh", ("big_end", "small_end"), nodes, cells),
-            BodyLayout("piston", "rigid", ("pin",)),
-            BodyLayout("blade", "ritz", (), modes=2),
+            BodyLayout("crank", "rigid", ("pin",), np.array([[CRANK, 0.0, 0.0]])),
+            BodyLayout("rod", "mesh", ("big_end", "small_end"), np.array([[0.0] * 3, [ROD, 0.0, 0.0]]), nodes, cells),
+            BodyLayout("piston", "rigid", ("pin",), np.zeros((1, 3))),
+            BodyLayout("blade", "ritz", (), np.zeros((0, 3)), modes=2),
         ),
-        joints=("bearing", "crankpin", "wristpin", "motor", "clamp"),
-        coordinates=(1, 1, 2, 1, 0),
+        joints=(
+            JointLayout("bearing", "revolute", "ground", "crank", ("rad",)),
+            JointLayout("crankpin", "revolute", "crank.pin", "rod.big_end", ("rad",)),
+            JointLayout("wristpin", "cylindrical", "rod.small_end", "piston.pin", ("m", "rad")),
+            JointLayout("motor", "driver", "ground", "crank", ("rad",)),
+            JointLayout("clamp", "weld", "ground", "blade", ()),
+        ),
         rows=rows,
         attributes={"title": "Fake slider-crank", "model": MODEL},
     )
@@ -76,6 +81,7 @@ def row(t: float, iterations: int = 1) -> Row:
         angular_velocity=np.tile([0.0, -SPEED, 0.0], (4, 1)),
         displacement=(u,),
         modal=(np.array([1e-3 * sway, 1e-4 * sway**2]),),
+        joint_position=np.stack([np.zeros(3), pin, piston, np.zeros(3), np.array([0.0, 0.1, 0.0])]),
         force=np.stack([1.2 * force, force, 0.8 * force, np.zeros(3), 0.1 * force]),
         torque=np.stack([np.zeros(3), np.zeros(3), np.zeros(3), [0.0, 12.0 * sway, 0.0], np.zeros(3)]),
         coordinate=(np.array([a]), np.array([b - a]), np.array([0.01 * sway, -b]), np.array([a]), np.zeros(0)),

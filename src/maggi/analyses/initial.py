@@ -148,7 +148,7 @@ def set_velocities(system: System, motion: MotionState, notes: list[str]) -> Non
     together = project(np.vstack([A, G]), scale)
     stacked = np.concatenate([b, -g])
     v = closest_velocities(together, M, np.zeros(moving.size), stacked)
-    speed = max(float(np.abs(v * scale).max()), float(np.abs(g).max(initial=0.0)), 1e-300)
+    speed = max(float(np.abs(v * scale).max()), float(np.abs(g).max(initial=0.0)), _least_speed(system))
     defect = together.A @ v + stacked
     worst = float(np.abs(defect).max(initial=0.0))
     if worst > ROUND_OFF * speed:
@@ -175,6 +175,12 @@ def set_velocities(system: System, motion: MotionState, notes: list[str]) -> Non
                 )
             notes.append(f"initial velocities were changed by up to {change[row]:.2g} to satisfy the joints")
     motion.v[moving] = v
+
+
+def _least_speed(system: System) -> float:
+    """A speed (m/s) that moves nothing in a run: contradictions of what rests are judged by it."""
+    simulation = system.model.simulation
+    return 1e-300 if simulation is None else SMALL * system.size / simulation.duration
 
 
 def _given_rates(system: System) -> NDArray[np.int64]:

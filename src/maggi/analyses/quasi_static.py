@@ -31,7 +31,8 @@ Array = NDArray[np.float64]
 
 ATTEMPTS = 40
 REGULARISATION = 1e-7  # of the lowest elastic eigenvalue: K + s M, refined with K itself
-SETTLED = 1e-10
+SETTLED = 1e-10  # change of an iteration, relative to the largest displacement
+STALLED = 1e-6  # the same where it no longer falls
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,15 +67,17 @@ class QuasiStatic:
         system = self._system
         moving = floating_velocities(system)
         fields = {index: mesh.u.copy() for index, mesh in self._meshes.items()}
-        change = np.inf
+        change = previous = np.inf
         for _ in range(ATTEMPTS):
-            before = motion.e.copy()
+            before, previous = motion.e.copy(), change
             fields = self._improve(motion, t, moving, fields)
-            reach = float(np.abs(motion.e).max(initial=0.0))
+            reach = max([float(np.abs(part).max(initial=0.0)) for part in (motion.e, *fields.values())])
             change = float(np.abs(motion.e - before).max(initial=0.0))
             if not np.isfinite(change):
                 break
-            if change <= SETTLED * max(reach, 1e-12 * system.size):
+            # what no longer falls is round-off, of joints that hold stiff bodies against each other, too
+            stalled = change >= 0.1 * previous
+            if change <= max((STALLED if stalled else SETTLED) * reach, 1e-16 * system.size):
                 return fields
         raise SimulationError(
             f"no static balance of the elastic bodies was found at the start (last change {change:.3g} m); "
@@ -157,6 +160,35 @@ class QuasiStatic:
                     u = u + self._meshes[body.index].body.Phi @ a
                 result[body.index] = u
         return result
+
+    def admit_rates(self, motion: MotionState, rates: dict[int, Array]) -> None:
+        """Correct elastic rates, in place, so that with some velocities of the frames they satisfy all liaisons.
+
+        Differences of balanced positions do so up to their own error only, and where elastic bodies are held at both
+        ends no motion of the frames can take that up. The change is that of least strain, ``ė −= W Aₑᵀκ``, Aₜᵀκ = 0.
+        """
+        system = self._system
+        bodies, moving = system.bodies, floating_velocities(system)
+        rows = dense_rows(system, motion, 0.0)
+        A_t, A_e = rows.A[:, moving], rows.A.copy()
+        A_e[:, moving] = 0.0
+        Y = np.zeros((system.coordinates, system.coordinates))
+        for body in self._bodies:
+            part = slice(bodies.offset[body.index] + 6, bodies.offset[body.index + 1])
+            Y[part, part] = body.W + body.rigid @ body.rigid.T
+        nt, r = moving.size, system.rows
+        matrix = np.zeros((nt + r, nt + r))
+        matrix[:nt, nt:] = A_t.T
+        matrix[nt:, :nt] = A_t
+        matrix[nt:, nt:] = -(A_e @ Y @ A_e.T)
+        kappa = _least_squares(matrix, np.concatenate([np.zeros(nt), -rows.velocity]))[nt:]
+        force = A_e.T @ kappa
+        for body in self._bodies:
+            part = slice(bodies.offset[body.index] + 6, bodies.offset[body.index + 1])
+            motion.v[part] -= Y[part, part] @ force[part]
+            if body.index in self._meshes:
+                rates[body.index] -= self._Y[body.index] @ force[part]
+                rates[body.index] -= self._meshes[body.index].body.Phi @ (body.rigid.T @ force[part])
 
     def _loads(self, motion: MotionState, t: float) -> Array:
         system = self._system
@@ -258,15 +290,14 @@ def quasi_static_start(system: System, motion: MotionState, meshes: list[MeshSte
         field = static.deform(ahead, k * dt)
         states.append((ahead.e.copy(), field))
     weights = (-1.5 / dt, 2.0 / dt, -0.5 / dt)
-    elastic = np.setdiff1d(np.flatnonzero(_elastic_mask(system)), moving)
-    motion.v[elastic] = _combine(weights, [e for e, _ in states])[elastic]
+    elastic = np.flatnonzero(_elastic_mask(system))
+    motion.v[elastic] = sum(w * state[0] for w, state in zip(weights, states, strict=True))[elastic]
+    rates = {
+        mesh.index: sum(w * state[1][mesh.index] for w, state in zip(weights, states, strict=True)) for mesh in meshes
+    }
+    static.admit_rates(motion, rates)
     for mesh in meshes:
-        mesh.u = fields[mesh.index].copy()
-        mesh.ud = _combine(weights, [field[mesh.index] for _, field in states])
-
-
-def _combine(weights: tuple[float, ...], values: list[Array]) -> Array:
-    return np.asarray(np.einsum("k,kn->n", np.array(weights), np.array(values)))
+        mesh.u, mesh.ud = fields[mesh.index].copy(), rates[mesh.index]
 
 
 def _elastic(system: System) -> list[int]:

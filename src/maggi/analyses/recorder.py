@@ -16,17 +16,32 @@ IntArray = NDArray[np.int64]
 class BodyLayout:
     """One body as the results describe it.
 
-    kind: ``rigid``, ``mesh`` or ``ritz``. attachments: their names, in order. For a mesh body `nodes` (n, 3)
-    body frame, `cells` by type (n_cells, nodes per cell) and `node_rotations` tells a beam mesh. For a Ritz
-    body `modes` is the number of its coordinates.
+    kind: ``rigid``, ``mesh`` or ``ritz``. attachments: their names, in order; at (a, 3): where they are on the
+    undeformed body, body frame, m. For a mesh body `nodes` (n, 3), body frame, and `cells` by type (n_cells, nodes
+    per cell). For a Ritz body `modes` is the number of its coordinates.
     """
 
     name: str
     kind: str
     attachments: tuple[str, ...]
+    at: Array
     nodes: Array | None = None
     cells: dict[str, IntArray] | None = None
     modes: int = 0
+
+
+@dataclass(frozen=True)
+class JointLayout:
+    """One joint or driver: its kind, the names of its ends, and the unit (``m`` or ``rad``) of each coordinate.
+
+    A weld has no coordinate, a revolute one, a cylindrical two, translation before rotation.
+    """
+
+    name: str
+    kind: str
+    first: str
+    second: str
+    units: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +49,7 @@ class Layout:
     """The shape of every row of a run, and what the result file says about it once."""
 
     bodies: tuple[BodyLayout, ...]
-    joints: tuple[str, ...]
-    coordinates: tuple[int, ...]  # number of coordinates of each joint: 0 weld, 1 revolute, 2 cylindrical, …
+    joints: tuple[JointLayout, ...]
     rows: int
     attributes: dict[str, str | float | int]
 
@@ -47,9 +61,10 @@ class Row:
     Per body (n_bodies first): origin (b, 3), rotation (b, 3, 3) body to global. Per attachment, in the order
     of the layout, body by body: position (a, 3), attachment_rotation (a, 3, 3), velocity (a, 3),
     angular_velocity (a, 3). displacement: for each mesh body nodal displacements (n_nodes, 3), body frame;
-    modal: for each Ritz body its coordinates (modes,). Per joint (drivers included): force (j, 3), torque
-    (j, 3), and coordinate: one array (k,) per joint, k as in the layout. energy: kinetic, strain, gravity, dissipated, work (J). residuals: position,
-    velocity, acceleration, scaled. iterations: back-substitutions or Newton iterations of the last step.
+    modal: for each Ritz body its coordinates (modes,). Per joint (drivers included): joint_position (j, 3), its point
+    on the second body, force (j, 3), torque (j, 3) about that point, and coordinate: one array (k,) per joint, k as
+    in the layout. energy: kinetic, strain, gravity, dissipated, work (J). residuals: position, velocity,
+    acceleration, scaled. iterations: back-substitutions or Newton iterations of the last step.
     """
 
     time: float
@@ -61,6 +76,7 @@ class Row:
     angular_velocity: Array
     displacement: tuple[Array, ...]
     modal: tuple[Array, ...]
+    joint_position: Array
     force: Array
     torque: Array
     coordinate: tuple[Array, ...]

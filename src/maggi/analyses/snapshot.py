@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 
 from maggi.bodies.kernels import small_body_energy
 from maggi.bodies.tables import MESH, RITZ
+from maggi.liaisons.tables import TRANSLATION
 from maggi.stepping.mesh_step import MeshStep
 from maggi.stepping.stepper import Stepper
 from maggi.system.system import LiaisonEntry, System
 
-from .recorder import BodyLayout, Layout, Row
+from .recorder import BodyLayout, JointLayout, Layout, Row
 
 Array = NDArray[np.float64]
 
@@ -20,26 +21,35 @@ KINDS = {RITZ: "ritz", MESH: "mesh"}
 
 def layout(system: System, rows: int, attributes: dict[str, str | float | int]) -> Layout:
     """The shape of every row of a run."""
-    visible = visible_liaisons(system)
     bodies = []
     for entry in system.body_entries:
         if not entry.visible:
             continue
         mesh = system.mesh_bodies.get(entry.index)
         kind = KINDS.get(int(system.bodies.kind[entry.index]), "rigid")
+        attachments = [a for a in system.attachment_entries if a.body == entry.name]
         bodies.append(
             BodyLayout(
                 entry.name,
                 kind,
-                tuple(a.name for a in system.attachment_entries if a.body == entry.name),
+                tuple(a.name for a in attachments),
+                system.bodies.attachment_point[[a.index for a in attachments]].reshape(-1, 3),
                 nodes=None if mesh is None else mesh.mesh.nodes,
                 cells=None if mesh is None else mesh.mesh.cells,
                 modes=_elastic(system, entry.index) if kind == "ritz" else 0,
             )
         )
-    return Layout(
-        tuple(bodies), tuple(e.name for e in visible), tuple(len(e.coordinates) for e in visible), rows, attributes
+    joints = tuple(
+        JointLayout(
+            entry.name,
+            entry.kind,
+            entry.first,
+            entry.second,
+            tuple("m" if kind == TRANSLATION else "rad" for kind in system.liaisons.coordinate_kind[entry.coordinates]),
+        )
+        for entry in visible_liaisons(system)
     )
+    return Layout(tuple(bodies), joints, rows, attributes)
 
 
 def visible_liaisons(system: System) -> list[LiaisonEntry]:
@@ -58,6 +68,7 @@ class Snapshots:
         self._attachments = np.array([index for part in order for index in part], dtype=np.int64)
         self._indices = np.array([entry.index for entry in self._bodies], dtype=np.int64)
         self._liaisons = visible_liaisons(system)
+        self._seconds = system.liaisons.second[[entry.joint for entry in self._liaisons]]
         self._meshes: dict[int, MeshStep] = {mesh.index: mesh for mesh in stepper.meshes}
 
     def row(self, t: float) -> Row:
@@ -88,6 +99,7 @@ class Snapshots:
             at.angular_velocity[chosen],
             displacement,
             modal,
+            at.position[self._seconds],
             force,
             torque,
             tuple(state.rows.coordinate[entry.coordinates] for entry in self._liaisons),

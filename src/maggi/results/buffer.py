@@ -17,7 +17,7 @@ MOST_BYTES = 8 << 20
 
 _WHOLE = (
     "time", "origin", "rotation", "position", "attachment_rotation", "velocity", "angular_velocity",
-    "force", "torque", "energy", "residuals", "iterations",
+    "joint_position", "force", "torque", "energy", "residuals", "iterations",
 )  # fmt: skip
 _PARTS = ("displacement", "modal", "coordinate")
 
@@ -116,6 +116,7 @@ def _field_shapes(layout: Layout) -> dict[str, tuple[int, ...]]:
         "attachment_rotation": (attachments, 3, 3),
         "velocity": (attachments, 3),
         "angular_velocity": (attachments, 3),
+        "joint_position": (joints, 3),
         "force": (joints, 3),
         "torque": (joints, 3),
         "energy": (5,),

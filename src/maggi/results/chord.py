@@ -11,8 +11,6 @@ from .results import BodyResults, Results
 
 Array = NDArray[np.float64]
 
-_NEAREST = 16
-
 
 @dataclass(frozen=True, eq=False)
 class Chord:
@@ -61,23 +59,7 @@ def chord(results: Results, body: BodyResults, step: int = 1) -> Chord | None:
     if not pairs:
         return None
     a, b = max(pairs, key=lambda pair: float(np.linalg.norm(moving[pair[0]][0] - moving[pair[1]][0])))
-    start, end = _undeformed(body, moving[a]), _undeformed(body, moving[b])
+    start, end = body.attachment(a).at, body.attachment(b).at
     if not np.linalg.norm(end - start) > 0.0:
         return None
     return Chord((a, b), start, end, moving[a] - start, moving[b] - end)
-
-
-def _undeformed(body: BodyResults, moving: Array) -> Array:
-    """Where an attachment is on the undeformed mesh, body frame.
-
-    Its displacement in the first row follows from that of the nodes around it by a linear fit, exact where
-    the nodes are made rigid; it is subtracted from its position in that row.
-    """
-    nodes, displacement = body.nodes, body.displacement[0]
-    deformed = nodes + displacement
-    near = np.argsort(np.linalg.norm(deformed - moving[0], axis=1))[:_NEAREST]
-    offsets = deformed[near] - moving[0]
-    scale = float(np.abs(offsets).max()) or 1.0
-    terms = np.column_stack([np.ones(len(near)), offsets / scale])
-    fit = np.linalg.lstsq(terms, displacement[near], rcond=1e-9)[0]
-    return np.asarray(moving[0] - fit[0])

@@ -135,12 +135,15 @@ def _shape_columns(layout: Layout) -> Iterator[Column]:
 
 def _joint_columns(layout: Layout) -> Iterator[Column]:
     side = "exerted by first on second, global components, about the joint's point on second"
-    for i, name in enumerate(layout.joints):
-        yield Column(f"joints/{name}/force", "force", None, i, (3,), "N", f"force {side}")
-        yield Column(f"joints/{name}/torque", "torque", None, i, (3,), "N m", f"torque {side}")
-        if layout.coordinates[i]:
+    for i, joint in enumerate(layout.joints):
+        at = f"joints/{joint.name}"
+        yield Column(f"{at}/position", "joint_position", None, i, (3,), "m", "the joint's point on second, global")
+        yield Column(f"{at}/force", "force", None, i, (3,), "N", f"force {side}")
+        yield Column(f"{at}/torque", "torque", None, i, (3,), "N m", f"torque {side}")
+        if joint.units:
             text = "coordinates of second relative to first, translation before rotation, zero initially"
-            yield Column(f"joints/{name}/coordinate", "coordinate", i, None, (layout.coordinates[i],), "m or rad", text)
+            unit = ", ".join(dict.fromkeys(joint.units))
+            yield Column(f"{at}/coordinate", "coordinate", i, None, (len(joint.units),), unit, text)
 
 
 def mesh_bodies(layout: Layout) -> tuple[BodyLayout, ...]:
@@ -154,9 +157,12 @@ def ritz_bodies(layout: Layout) -> tuple[BodyLayout, ...]:
 
 
 def constants(layout: Layout) -> tuple[Constant, ...]:
-    """Every table that does not change in time: the meshes."""
+    """Every table that does not change in time: where attachments are on undeformed bodies, and meshes."""
     listed: list[Constant] = []
     for body in layout.bodies:
+        for name, point in zip(body.attachments, body.at, strict=True):
+            text = "point of the attachment on the undeformed body, body frame"
+            listed.append(Constant(f"bodies/{body.name}/attachments/{name}/at", point, "m", text))
         if body.nodes is None:
             continue
         at = f"bodies/{body.name}/mesh"
@@ -165,6 +171,18 @@ def constants(layout: Layout) -> tuple[Constant, ...]:
             text = f"{kind} cells: places of their nodes in mesh/nodes, from 0"
             listed.append(Constant(f"{at}/cells/{kind}", cells, "1", text))
     return tuple(listed)
+
+
+def groups(layout: Layout) -> dict[str, dict[str, str]]:
+    """Every group of bodies, attachments and joints, with what it says about itself."""
+    listed: dict[str, dict[str, str]] = {}
+    for body in layout.bodies:
+        listed[f"bodies/{body.name}"] = {"kind": body.kind}
+        listed |= {f"bodies/{body.name}/attachments/{name}": {} for name in body.attachments}
+    for joint in layout.joints:
+        said = {"kind": joint.kind, "first": joint.first, "second": joint.second}
+        listed[f"joints/{joint.name}"] = said | {"coordinate_units": " ".join(joint.units)}
+    return listed
 
 
 def head(layout: Layout, quantities: tuple[str, ...], text: str) -> dict[str, str | float | int]:
@@ -190,7 +208,7 @@ def check_names(layout: Layout) -> None:
     ------
     ModelError : a body's, attachment's or joint's name is empty, a dot, or holds ``/`` or a NUL.
     """
-    named = [("bodies", body.name) for body in layout.bodies] + [("joints", name) for name in layout.joints]
+    named = [("bodies", body.name) for body in layout.bodies] + [("joints", joint.name) for joint in layout.joints]
     named += [(f"bodies.{body.name}.attachments", name) for body in layout.bodies for name in body.attachments]
     for group, name in named:
         if not name or name == "." or "/" in name or "\0" in name:

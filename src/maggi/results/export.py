@@ -86,10 +86,11 @@ def _joints(results: Results) -> dict[str, Array]:
     for name in results.joints:
         if results.has(f"joints/{name}/force"):
             joint = results.joint(name)
+            named |= _vector(f"{name}.position", joint.position, "m")
             named |= _vector(f"{name}.force", joint.force, "N")
             named |= _vector(f"{name}.torque", joint.torque, "N m")
-            coordinates = joint.coordinate.T
-            named |= {f"{name}.coordinate.{k + 1} [m or rad]": column for k, column in enumerate(coordinates)}
+            columns = zip(joint.units, joint.coordinate.T, strict=True)
+            named |= {f"{name}.coordinate.{k + 1} [{unit}]": column for k, (unit, column) in enumerate(columns)}
     return named
 
 

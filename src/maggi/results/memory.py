@@ -12,7 +12,7 @@ from maggi.model.errors import ModelError
 from maggi.model.simulation import QUANTITIES
 
 from .buffer import RowBuffer
-from .contract import Column, check_names, columns, constants, head
+from .contract import Column, check_names, columns, constants, groups, head
 from .results import Results, Table
 
 
@@ -95,11 +95,10 @@ class MemorySource:
         self._tables |= {constant.path: constant.values for constant in constants(layout)}
         self._children: dict[str, tuple[str, ...]] = {
             "bodies": tuple(body.name for body in layout.bodies),
-            "joints": layout.joints,
+            "joints": tuple(joint.name for joint in layout.joints),
         }
-        self._attributes: dict[str, dict[str, Any]] = {"": {**attributes}}
+        self._attributes: dict[str, dict[str, Any]] = {"": {**attributes}, **groups(layout)}
         for body in layout.bodies:
-            self._attributes[f"bodies/{body.name}"] = {"kind": body.kind}
             self._children[f"bodies/{body.name}/attachments"] = body.attachments
             self._children[f"bodies/{body.name}/mesh/cells"] = tuple(body.cells or ())
 

@@ -275,6 +275,11 @@ class AttachmentResults:
         self.name = name
 
     @property
+    def at(self) -> Array:
+        """Its point on the undeformed body (3,), body frame, m."""
+        return np.asarray(self._results._table(f"{self._path}/at")[:])
+
+    @property
     def position(self) -> Array:
         """Position (n, 3), m."""
         return self._results._array(f"{self._path}/position")
@@ -304,6 +309,26 @@ class JointResults:
         self.name = name
 
     @property
+    def kind(self) -> str:
+        """Its kind in the model: ``revolute``, …, or ``driver``."""
+        return self._said("kind")
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """First and second: ``ground``, a body, or ``body.attachment``; a driver has those of its joint."""
+        return self._said("first"), self._said("second")
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """``m`` or ``rad`` for each coordinate."""
+        return tuple(self._said("coordinate_units").split())
+
+    @property
+    def position(self) -> Array:
+        """The joint's point on second (n, 3), m."""
+        return self._results._array(f"{self._path}/position")
+
+    @property
     def force(self) -> Array:
         """Force (n, 3), global components, N."""
         return self._results._array(f"{self._path}/force")
@@ -315,9 +340,12 @@ class JointResults:
 
     @property
     def coordinate(self) -> Array:
-        """Coordinates (n, k), m or rad, translation before rotation; k = 0 for joints without any."""
+        """Coordinates (n, k) in `units`, translation before rotation; k = 0 for joints without any."""
         path = f"{self._path}/coordinate"
         return self._results._array(path) if self._results.has(path) else np.zeros((self._results._source.rows, 0))
+
+    def _said(self, name: str) -> str:
+        return str(self._results._source.attributes(self._path).get(name, ""))
 
 
 class EnergyResults:

@@ -18,7 +18,7 @@ from maggi.model.errors import ModelError, SimulationError
 from maggi.model.simulation import QUANTITIES
 
 from .buffer import RowBuffer
-from .contract import FORMAT, Column, check_names, columns, constants, head
+from .contract import FORMAT, Column, check_names, columns, constants, groups, head
 from .space import Reservation
 
 FLUSH_SECONDS = 1.0
@@ -160,14 +160,10 @@ class FileRecorder:
     def _write_head(self, layout: Layout) -> None:
         for name, value in head(layout, self._quantities, self._text).items():
             self._file.attrs[name] = value
-        groups = {f"bodies/{body.name}": body.kind for body in layout.bodies}
-        for path, kind in groups.items():
-            self._group(path).attrs["kind"] = kind
-        for body in layout.bodies:
-            for attachment in body.attachments:
-                self._group(f"bodies/{body.name}/attachments/{attachment}")
-        for name in layout.joints:
-            self._group(f"joints/{name}")
+        for path, said in groups(layout).items():
+            group = self._group(path)
+            for name, value in said.items():
+                group.attrs[name] = value
         for constant in constants(layout):
             folder, _, name = constant.path.rpartition("/")
             table = self._group(folder).create_dataset(name, data=constant.values)
@@ -263,8 +259,8 @@ def _head_bytes(layout: Layout, kept: tuple[Column, ...], text: str) -> int:
     """Bound of the file's size before the first row: meshes, texts, and HDF5's headers of groups and tables."""
     fixed = sum(constant.values.nbytes for constant in constants(layout))
     texts = len(text.encode()) + sum(len(str(value).encode()) for value in layout.attributes.values())
-    groups = len(layout.joints) + sum(3 + len(body.attachments) for body in layout.bodies)
-    return fixed + texts + 4096 * (len(kept) + groups + 16)
+    tables = len(kept) + len(constants(layout))
+    return fixed + texts + 4096 * (tables + len(groups(layout)) + 3 * len(layout.bodies) + 16)
 
 
 def _growth(table: Any, rows: int) -> int:

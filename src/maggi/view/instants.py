@@ -38,3 +38,12 @@ def distinct(paths: list[Array]) -> list[Array]:
         if all(np.abs(path - other).max() > 1e-3 * size for other in kept):
             kept.append(path)
     return kept
+
+
+def distinct_points(points: list[Array], near: float) -> list[Array]:
+    """The first of each group of points (3,) that are closer than `near` to it."""
+    kept: list[Array] = []
+    for point in points:
+        if all(np.linalg.norm(point - other) > near for other in kept):
+            kept.append(point)
+    return kept

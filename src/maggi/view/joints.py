@@ -42,11 +42,13 @@ def joints_figure(results: Results) -> Figure | None:
         parts = {
             part: values for part, values in parts.items() if np.abs(values).max() > _NOTHING * largest_force[name]
         }
-        charts.append((parts, "N", "F", f"{name}, global components"))
+        only = next(iter(parts)) if len(parts) == 1 else "global components"
+        charts.append((parts, "N", "F", f"{name}, {only}"))
     turning = sorted(largest_torque, key=lambda name: -largest_torque[name])[:MOST_JOINTS]
     if turning:
         lines = dict(_main_component(name, torques[name]) for name in names if name in turning)
-        charts.append((lines, "N m", "torque", "Torques of joints and drivers, main component"))
+        title = "Torques of joints and drivers, main component"
+        charts.append((lines, "N m", "torque", title if len(lines) > 1 else f"Torque of {next(iter(lines))}"))
     if not charts:
         charts.append(({name: np.linalg.norm(forces[name], axis=1) for name in names}, "N", "|F|", "Joint forces"))
 

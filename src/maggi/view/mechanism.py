@@ -12,10 +12,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from maggi.results.extremes import deflection_history, elastic_bodies
-from maggi.results.results import Array, Results
+from maggi.results.results import Array, JointResults, Results
 
 from .body_shape import BodyShape, body_shape, exaggeration, frame
-from .instants import different_instants, distinct
+from .instants import different_instants, distinct, distinct_points
 from .parts import RIGID_COLORS, draw_beam, draw_link, draw_paths, draw_points, draw_surface, draw_triad, prepare
 from .projection import Camera, axonometric, facing, plane_of
 from .series import readable
@@ -25,6 +25,7 @@ INSTANTS = 4
 WIDTH = 10.6  # inches
 _ROWS_LOOKED_AT = 400
 _COLOR_MAP = "viridis"
+_NEAR = 0.01  # points of a body this close to each other, relative to the drawing, are one
 
 
 def mechanism_figure(results: Results) -> Figure | None:
@@ -98,14 +99,26 @@ class _Instant:
         elastic = {shape.name for shape in self.drawn}
         for i, name in enumerate(name for name in self.results.bodies if name not in elastic):
             origin, rotation = frame(self.results, name, self.row)
-            points = np.stack([origin, *self._attached(name)])
-            draw_link(axes, camera, points, rotation, size, RIGID_COLORS[i % len(RIGID_COLORS)])
+            points = distinct_points([*self._joined(name), *self._attached(name)], _NEAR * size)
+            if len(points) < 2:
+                points = distinct_points([*points, origin], _NEAR * size)
+            draw_link(axes, camera, np.stack(points), rotation, size, RIGID_COLORS[i % len(RIGID_COLORS)])
         marks = [point for name in self.results.bodies for point in self._attached(name)]
         if marks:
             draw_points(axes, camera, np.stack(marks))
 
+    def _joined(self, name: str) -> list[Array]:
+        """Points of the joints that hold a body."""
+        held = [joint for joint in map(self.results.joint, self.results.joints) if name in _bodies(joint)]
+        paths = [f"joints/{joint.name}/position" for joint in held]
+        return [self.results.frames(path)[self.row] for path in paths if self.results.has(path)]
+
     def _attached(self, name: str) -> list[Array]:
         return [self.results.frames(path)[self.row] for path in _position_paths(self.results, name)]
+
+
+def _bodies(joint: JointResults) -> list[str]:
+    return [end.partition(".")[0] for end in joint.ends]
 
 
 def _color_bar(figure: Figure, panels: list[Axes], scale: Normalize, shapes: tuple[BodyShape, ...]) -> None:

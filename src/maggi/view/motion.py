@@ -28,11 +28,14 @@ def motion_figure(results: Results) -> Figure | None:
     speeds = {name: np.linalg.norm(_velocity(results, name), axis=1) for name in positions}
     if any(values.max() > 0.0 for values in speeds.values()):
         charts.append((speeds, "m/s", "|v|", "Attachments, speed"))
-    for name, values in list(_coordinates(results).items())[:MOST_COORDINATES]:
-        charts.append(({name: values}, "1", "m or rad", f"Coordinate of {name}"))
+    coordinates = list(_coordinates(results).items())[:MOST_COORDINATES]
+    for name, (values, unit) in coordinates:
+        what = "displacement" if unit == "m" else "angle"
+        charts.append(({name: values}, unit, what, f"{what.capitalize()} of {name}"))
     if not charts:
         return None
-    figure, panels = stacked(results, [1.7 if unit != "1" else 1.1 for _, unit, _, _ in charts], "motion")
+    heights = [1.7] * (len(charts) - len(coordinates)) + [1.1] * len(coordinates)
+    figure, panels = stacked(results, heights, "motion")
     for axes, (lines, unit, what, title) in zip(panels, charts, strict=True):
         draw_lines(axes, results, lines, unit, what)
         axes.set_title(title)
@@ -58,12 +61,12 @@ def _distinct(positions: dict[str, Array]) -> dict[str, Array]:
     return kept
 
 
-def _without_repeats(named: dict[str, Array]) -> dict[str, Array]:
+def _without_repeats(named: dict[str, tuple[Array, str]]) -> dict[str, tuple[Array, str]]:
     """A driver has the coordinate of its joint: one of the two is enough."""
-    kept: dict[str, Array] = {}
-    for name, values in named.items():
-        if not any(np.array_equal(values, other) for other in kept.values()):
-            kept[name] = values
+    kept: dict[str, tuple[Array, str]] = {}
+    for name, (values, unit) in named.items():
+        if not any(np.array_equal(values, other) for other, _ in kept.values()):
+            kept[name] = values, unit
     return kept
 
 
@@ -72,11 +75,12 @@ def _velocity(results: Results, name: str) -> Array:
     return results.body(body).attachment(attachment).velocity
 
 
-def _coordinates(results: Results) -> dict[str, Array]:
-    named: dict[str, Array] = {}
+def _coordinates(results: Results) -> dict[str, tuple[Array, str]]:
+    """Coordinates that move, each with its unit, by joint."""
+    named: dict[str, tuple[Array, str]] = {}
     for name in results.joints:
-        values = results.joint(name).coordinate
-        for k in range(values.shape[1]):
-            if moving(values[:, k], 1.0):
-                named[name if values.shape[1] == 1 else f"{name} ({k + 1})"] = values[:, k]
+        joint = results.joint(name)
+        for k, (values, unit) in enumerate(zip(joint.coordinate.T, joint.units, strict=False)):
+            if moving(values, 1.0):
+                named[name if len(joint.units) == 1 else f"{name} ({k + 1})"] = values, unit
     return _without_repeats(named)

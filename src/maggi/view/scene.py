@@ -11,6 +11,7 @@ from maggi.analyses.scene import Scene, SceneBody
 from maggi.mesh.surface import surface_triangles
 from maggi.results.results import Array
 
+from .instants import distinct_points
 from .joint_symbols import draw_joint
 from .labels import Label, place_labels
 from .parts import RIGID_COLORS, draw_beam, draw_gravity, draw_link, draw_points, draw_surface, draw_triad, prepare
@@ -74,11 +75,7 @@ def _corners(scene: Scene, body: SceneBody, near: float) -> Array:
         for joint in scene.joints
         if body.name in (joint.first.partition(".")[0], joint.second.partition(".")[0])
     ]
-    distinct: list[Array] = []
-    for point in [*points, body.center_of_mass]:
-        if all(np.linalg.norm(point - other) > near for other in distinct):
-            distinct.append(point)
-    return np.stack(distinct)
+    return np.stack(distinct_points([*points, body.center_of_mass], near))
 
 
 def _labels(scene: Scene, near: float) -> list[Label]:
