@@ -136,7 +136,7 @@ def started(
     motion = initial_motion(system, notes)
     if simulation.start == "quasi-static" and stepper.has_elastic():
         quasi_static_start(system, motion, stepper.meshes, simulation.step)
-        set_velocities(system, motion, notes)
+        set_velocities(system, motion, [])  # what there is to tell was told for the undeformed bodies
     for target, source in zip(stepper.state.now, motion, strict=True):
         target[:] = source
     stepper.start_accelerations(0.0)
