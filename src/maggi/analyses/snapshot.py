@@ -114,7 +114,9 @@ class Snapshots:
         state, gravity = stepper.state, stepper.small.forces.gravity
         small = np.zeros(4)
         small_body_energy(stepper.small.bodies, state.now, gravity, small)
-        result = np.array([small[0], small[1] + state.vectors.power[0], small[2], state.vectors.work[1], state.vectors.work[0]])
+        result = np.array(
+            [small[0], small[1] + state.vectors.power[0], small[2], state.vectors.work[1], state.vectors.work[0]]
+        )
         for mesh in stepper.meshes:
             result[:3] += mesh.energies(state.now, gravity)
         return result

@@ -25,14 +25,19 @@ def new_state(system: System, least_speed: float, least_acceleration: float) -> 
     """A state at the initial pose, at rest; the leasts keep residuals finite where nothing moves."""
     n, r, b = system.coordinates, system.rows, system.bodies.kind.size
     vectors = StepVectors(
-        *(np.zeros(n) for _ in range(4)),
-        *(np.zeros(r) for _ in range(3)),
-        np.zeros(n),
-        np.zeros(4),
-        np.zeros(3),
-        np.array([system.size, least_speed, least_acceleration, least_speed, least_acceleration]),
-        np.zeros((b, 2)),
-        np.array([0.1, 100.0]),
+        a=np.zeros(n),
+        a_next=np.zeros(n),
+        a_previous=np.zeros(n),
+        increment=np.zeros(n),
+        multipliers=np.zeros(r),
+        multipliers_next=np.zeros(r),
+        multipliers_previous=np.zeros(r),
+        applied=np.zeros(n),
+        work=np.zeros(4),
+        power=np.zeros(3),
+        scales=np.array([system.size, least_speed, least_acceleration, least_speed, least_acceleration]),
+        elastic=np.zeros((b, 2)),
+        contraction=np.array([0.1, 100.0]),
     )
     return StepState(
         copy_motion(system.start),

@@ -124,19 +124,7 @@ class Stepper:
                 if not self._mesh_step(t + (k + 1) * self.coefficients.h):
                     return k
             return steps
-        _, done, corrections = kernels.advance(
-            *self.small,
-            self.coefficients,
-            kernels.WHOLE_STEPS,
-            t,
-            steps,
-            float(self._smooth),
-            self._tolerance,
-            self.system.inertia_floor,
-            0.0,
-            *self.state,
-            self.work,
-        )
+        _, done, corrections = self._kernel(kernels.WHOLE_STEPS, self.coefficients, t, steps)
         self.counts.steps += done
         self.counts.corrections += corrections
         self.last_iterations = round(corrections / done) if done else corrections
@@ -146,20 +134,35 @@ class Stepper:
     def _phase(self, phase: int, c: GeneralizedAlpha, end: float) -> tuple[int, int]:
         """One phase of the small system's step that ends at time `end`; returns (reason, corrections)."""
         dissipation = math.fsum(mesh.dissipation() for mesh in self.meshes) if phase == kernels.ACCEPT else 0.0
-        reason, _, corrections = kernels.advance(
-            *self.small,
+        reason, _, corrections = self._kernel(phase, c, end - c.h, 1, dissipation)
+        return reason, corrections
+
+    def _kernel(
+        self, phase: int, c: GeneralizedAlpha, t: float, steps: int, dissipation: float = 0.0
+    ) -> tuple[int, int, int]:
+        """The compiled step on this system's tables and state; see `kernels.advance`."""
+        small, state = self.small, self.state
+        reason, done, corrections = kernels.advance(
+            small.bodies,
+            small.motions,
+            small.liaisons,
+            small.forces,
             c,
             phase,
-            end - c.h,
-            1,
+            t,
+            steps,
             float(self._smooth),
             self._tolerance,
             self.system.inertia_floor,
             dissipation,
-            *self.state,
+            state.now,
+            state.next,
+            state.attachments,
+            state.rows,
+            state.vectors,
             self.work,
         )
-        return reason, corrections
+        return reason, done, corrections
 
     def _mesh_step(self, t: float) -> bool:
         c, state = self.coefficients, self.state
@@ -217,7 +220,8 @@ class Stepper:
         reach = 1.0 / (c.beta * c.h**2)
         allowed = self._tolerance * min(FORCE_SHARE * scale, self.system.size * reach)
         deflection = max(float(np.abs(mesh.u_next).max()) for mesh in self.meshes)
-        floor = 1e-13 * max(scale, deflection * reach)
+        # round-off of accelerations, of displacements, and of the joints' positions, to which a stiff body answers
+        floor = max(1e-13 * scale, 1e-13 * deflection * reach, 1e-15 * self.system.size * reach)
         if exact and sizes[-1] <= floor:
             return True
         return self.policy.enough(sizes, allowed, floor)
