@@ -98,9 +98,30 @@ def test_only_what_kernels_see_changes_the_key(toy):
 
 def test_every_kernel_of_the_program_and_what_it_imports_is_seen():
     package = Path(maggi.__file__).parent
-    texts = {path: path.read_bytes() for path in package.rglob("*.py")}
-    seen = {path.relative_to(package).as_posix() for path in cache.seen_by_kernels(texts)}
+    texts = {path: path.read_bytes() for path in package.rglob("*.py") if path != package / "__init__.py"}
+    seen = {path.relative_to(package).as_posix() for path in cache.seen_by_kernels(package, texts)}
     assert {"linalg/rotations.py", "linalg/jets.py", "model/operations.py", "linalg/__init__.py"} <= seen
+    # what stands above the kernels can be edited without compiling anything
+    assert not {path for path in seen if path.split("/")[0] in ("results", "view", "cli", "modelfile", "analyses")}
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("import numpy as np, toy.a", {"numpy", "as", "np", "toy.a"}),
+        ("from toy.a import b", {"toy.a.b"}),
+        (
+            "x = 1\nif x:\n    from .b import (\n    c,\n    d as e,\n)",
+            {"toy.sub.b.c", "toy.sub.b.d", "toy.sub.b.as", "toy.sub.b.e"},
+        ),
+        ("from . import c", {"toy.sub.c"}),
+        ("from .. import c  # d", {"toy.c", "toy.d"}),
+        ("from ..a import b", {"toy.a.b"}),
+        ("# from a import b\nfromage = 1\nimporting = 2", set()),
+    ],
+)
+def test_imports_are_found(text, names):
+    assert {".".join(name) for name in cache.imported(text.encode(), ("toy", "sub"))} == names
 
 
 def test_a_folder_chosen_by_the_user_is_respected(toy, tmp_path, monkeypatch):

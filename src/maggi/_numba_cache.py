@@ -15,6 +15,7 @@ import shutil
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -26,9 +27,10 @@ OWN_VARIABLE = "MAGGI_NUMBA_CACHE_DIR"
 KEPT_FOLDERS = 4
 KEPT_SECONDS = 86_400.0
 
-# An import statement, with its list in parentheses if it has one; starts at a line feed, which is quicker to find than ^.
-IMPORT = re.compile(rb"\n[ \t]*(?:from|import)\b[^\n(]*(?:\([^)]*\))?")
-WORD = re.compile(rb"\w+")
+# An import statement: either `from module import names` (in parentheses or not) or `import modules`.
+IMPORT = re.compile(rb"\n[ \t]*(?:from[ \t]+([.\w]+)[ \t]+import[ \t]*(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]*))")
+WORD = re.compile(rb"[.\w]+")
+NUMBA = re.compile(rb"\n[ \t]*(?:from|import)[ \t]+numba\b")
 COMPILERS = (("numba", "_version.py"), ("llvmlite", "_version.py"), ("numpy", "version.py"))
 
 
@@ -60,31 +62,46 @@ def source_key(package: Path) -> str:
         for location in (spec.submodule_search_locations or ()) if spec else ():
             digest.update((Path(location) / file).read_bytes())
     texts.pop(package / "__init__.py", None)  # the facade names everything and holds no kernel
-    for path in seen_by_kernels(texts):
+    for path in seen_by_kernels(package, texts):
         digest.update(b"%s\0%d\0" % (path.relative_to(package).as_posix().encode(), len(texts[path])))
         digest.update(texts[path])
     return digest.hexdigest()[:20]
 
 
-def seen_by_kernels(texts: dict[Path, bytes]) -> list[Path]:
-    """The modules that use numba and, transitively, those that they import; sorted.
+def seen_by_kernels(package: Path, texts: dict[Path, bytes]) -> list[Path]:
+    """The modules that import numba and, transitively, those that they import, packages' `__init__` included; sorted.
 
-    A module counts as imported when its name, or its package's, stands in an import statement: now and then one too
-    many, never one too few.
+    Whatever is named after `import` counts, a module or not, and so does a name in a text that looks like an import:
+    now and then one too many, never one too few.
     """
-    named: dict[bytes, list[Path]] = {}
+    modules: dict[tuple[str, ...], Path] = {}
     for path in texts:
-        name = path.parent.name if path.stem == "__init__" else path.stem
-        named.setdefault(name.encode(), []).append(path)
-    waiting = [path for path, text in texts.items() if b"numba" in text]
+        parts = (package.name, *path.relative_to(package).with_suffix("").parts)
+        modules[parts[:-1] if parts[-1] == "__init__" else parts] = path
+    names = {path: name for name, path in modules.items()}
+    waiting = [path for path, text in texts.items() if NUMBA.search(b"\n" + text)]
     seen = set(waiting)
     while waiting:
-        statements = IMPORT.findall(b"\n" + texts[waiting.pop()])
-        words = {word for statement in statements for word in WORD.findall(statement)}
-        new = {path for word in words for path in named.get(word, ())} - seen
-        seen |= new
-        waiting += new
+        path = waiting.pop()
+        inside = names[path] if path.stem == "__init__" else names[path][:-1]
+        for dotted in imported(texts[path], inside):
+            found = {modules[part] for k in range(len(dotted)) if (part := dotted[: k + 1]) in modules} - seen
+            seen |= found
+            waiting += found
     return sorted(seen)
+
+
+def imported(text: bytes, inside: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+    """Dotted names of everything that a module of the package `inside` imports; of `from a import b` that is a.b."""
+    for base, listed, plain in IMPORT.findall(b"\n" + text):
+        if plain:
+            yield from (tuple(word.decode().split(".")) for word in WORD.findall(plain))
+            continue
+        rest = base.lstrip(b".")
+        level = len(base) - len(rest)
+        start = inside[: len(inside) + 1 - level] if level else ()
+        module = (*start, *(rest.decode().split(".") if rest else ()))
+        yield from ((*module, name.decode()) for name in WORD.findall(listed))
 
 
 def make_folder(parents: tuple[Path, ...], key: str) -> Path:
