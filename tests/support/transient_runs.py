@@ -45,3 +45,14 @@ def orders(error: Callable[[float], float], steps: list[float]) -> tuple[Array, 
     """Errors at the given step sizes and the order between neighbours, log(e_i / e_i+1) / log(h_i / h_i+1)."""
     errors = np.array([error(h) for h in steps])
     return errors, np.diff(np.log(errors)) / np.diff(np.log(steps))
+
+
+def extrapolated(values: list[Array], counts: list[int]) -> Array:
+    """Richardson's extrapolation to zero step of results with counts[i] steps each (Neville's scheme in h²)."""
+    table, squares = list(values), [float(count) ** 2 for count in counts]
+    for k in range(1, len(values)):
+        table = [
+            (squares[i + k] * table[i + 1] - squares[i] * table[i]) / (squares[i + k] - squares[i])
+            for i in range(len(values) - k)
+        ]
+    return table[0]
