@@ -188,7 +188,8 @@ class QuasiStatic:
             motion.v[part] -= Y[part, part] @ force[part]
             if body.index in self._meshes:
                 rates[body.index] -= self._Y[body.index] @ force[part]
-                rates[body.index] -= self._meshes[body.index].body.Phi @ (body.rigid.T @ force[part])
+                if body.rigid.shape[1]:
+                    rates[body.index] -= self._meshes[body.index].body.Phi @ (body.rigid.T @ force[part])
 
     def _loads(self, motion: MotionState, t: float) -> Array:
         system = self._system
@@ -289,15 +290,18 @@ def quasi_static_start(system: System, motion: MotionState, meshes: list[MeshSte
         prescribe(system.motions, system.bodies, k * dt, ahead)
         field = static.deform(ahead, k * dt)
         states.append((ahead.e.copy(), field))
-    weights = (-1.5 / dt, 2.0 / dt, -0.5 / dt)
     elastic = np.flatnonzero(_elastic_mask(system))
-    motion.v[elastic] = sum(w * state[0] for w, state in zip(weights, states, strict=True))[elastic]
-    rates = {
-        mesh.index: sum(w * state[1][mesh.index] for w, state in zip(weights, states, strict=True)) for mesh in meshes
-    }
+    motion.v[elastic] = _rate([state[0] for state in states], dt)[elastic]
+    rates = {mesh.index: _rate([state[1][mesh.index] for state in states], dt) for mesh in meshes}
     static.admit_rates(motion, rates)
     for mesh in meshes:
         mesh.u, mesh.ud = fields[mesh.index].copy(), rates[mesh.index]
+
+
+def _rate(values: list[Array], dt: float) -> Array:
+    """Rate at the first of three equidistant values, second order."""
+    first, second, third = values
+    return np.asarray((-1.5 * first + 2.0 * second - 0.5 * third) / dt)
 
 
 def _elastic(system: System) -> list[int]:
