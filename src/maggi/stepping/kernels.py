@@ -251,6 +251,17 @@ def correction_size(
 
 
 @njit(inline="always")
+def largest_move(bodies: BodyTable, c: GeneralizedAlpha, delta: Array) -> float:
+    """By how much a correction changes positions at most: βh²|δ| (m, rad)."""
+    largest = 0.0
+    for i in range(bodies.offset[bodies.offset.shape[0] - 1]):
+        x = abs(delta[i])
+        if not (x <= largest):
+            largest = x
+    return c.beta * c.h * c.h * largest
+
+
+@njit(inline="always")
 def iterate(
     bodies: BodyTable,
     liaisons: LiaisonTable,
@@ -322,6 +333,7 @@ def iterate(
     shift = work.shift
     vector = work.vector
     velocity_force = work.velocity_force
+    size = state.scales[0]
     n = a.shape[0]
     r = row_kind.shape[0]
     residuals = np.empty(3)
@@ -349,7 +361,9 @@ def iterate(
             if iteration == 1 and not measured:
                 estimate = math.inf
             settled = worst <= ROUND_OFF or (worst <= STALLED and worst > 0.3 * worst_before)
-            if estimate <= 1.0 and settled:
+            # at round-off corrections no longer fall: a stiff body answers that of the joints' positions
+            stalled = iteration >= 3 and error > 0.3 * previous and largest_move(bodies, c, delta) <= ROUND_OFF * size
+            if (estimate <= 1.0 or stalled) and settled:
                 if iteration >= 2:
                     rho[1] = 0.0
                 else:
