@@ -1,0 +1,132 @@
+"""The constants of a step, Ŝ⁻¹ seen from the small system (T12), against dense matrices; steps on SE(3)."""
+
+import numpy as np
+import pytest
+from motions import Motion, mesh_body, rigid_body, ritz_body
+from scipy.linalg import expm
+
+from maggi.bodies.kernels import mass_matrix
+from maggi.bodies.mesh_body import build_mesh_body
+from maggi.integrators.generalized_alpha import generalized_alpha
+from maggi.model.attachments import Attachment, NamedSet
+from maggi.model.bodies import ElasticBody, GivenMotion, RigidBody
+from maggi.model.materials import Damping, Material
+from maggi.model.meshes import BeamMesh, BoxMesh, Section
+from maggi.model.model import Model
+from maggi.stepping.allocate import copy_motion
+from maggi.stepping.kernels import move, compliances
+from maggi.stepping.mesh_step import MeshStep
+from maggi.system.build import build_system
+
+STEP = generalized_alpha(1e-3, 0.7)
+ENDS = {"a": Attachment(nodes=NamedSet("x_min")), "b": Attachment(nodes=NamedSet("x_max"), coupling="average")}
+TIPS = {"a": Attachment(nodes=NamedSet("start")), "b": Attachment(nodes=NamedSet("end"))}
+
+
+def test_compliances_of_rigid_and_ritz_bodies():
+    """W = (σM + γhD + βh²K)⁻¹ about the present shape; nothing for frames that are prescribed."""
+    rng = np.random.default_rng(1)
+    bodies = {
+        "a": rigid_body(rng),
+        "z": ritz_body(rng, 3),
+        "point": RigidBody(2.0),
+        "given": RigidBody(1.0, motion=GivenMotion()),
+    }
+    system = build_system(Model(bodies))
+    table = system.bodies
+    state = Motion(system, 2).at_rest(0.0)
+    W = np.zeros(table.block[-1])
+    compliances(table, state, STEP, system.inertia_floor, W)
+    for b in range(1, 5):
+        o, e = table.offset[b], table.offset[b + 1]
+        block = W[table.block[b] : table.block[b + 1]].reshape(e - o, e - o)
+        matrix = np.empty((e - o, e - o))
+        mass_matrix(table, b, state.e[o + 6 : e], matrix)
+        matrix[3:6, 3:6] += system.inertia_floor[b] * np.eye(3)
+        matrix *= STEP.sigma
+        if b == 2:
+            terms = bodies["z"].terms
+            matrix[6:, 6:] += STEP.gamma * STEP.h * terms.D + STEP.beta * STEP.h**2 * terms.k
+        expected = np.zeros((6, 6)) if b == 4 else np.linalg.inv(matrix)
+        np.testing.assert_allclose(block, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+    # a point mass has no inertia about any axis: the floor keeps its matrix regular
+    np.testing.assert_array_equal(system.inertia_floor[1:4] > 0.0, [False, False, True])
+
+
+@pytest.mark.parametrize("floating", [True, False], ids=["floating", "prescribed"])
+@pytest.mark.parametrize("mesh", ["solid", "beam"])
+def test_condensation_of_a_meshed_body(mesh, floating):
+    """Y = PŜ⁻¹PᵀB, Z = Ŝ⁻¹KY, Z_D = Ŝ⁻¹DY with D = a PᵀMP + bK; W, W_Z, W_D are what attachments see of them."""
+    material = Material(1000.0, 1e7, 0.3, Damping(mass=3.0, stiffness=2e-4))
+    source = BoxMesh((1.0, 0.2, 0.3), (3, 1, 1)) if mesh == "solid" else BeamMesh(1.0, Section.rectangle(0.1, 0.2), 4)
+    description = ElasticBody(
+        source, material, attachments=ENDS if mesh == "solid" else TIPS, motion=None if floating else GivenMotion()
+    )
+    body = build_mesh_body("m", description, ".")
+    system = build_system(Model({"m": description}), meshes={"m": body})
+    step = MeshStep(body, 1, system.bodies)
+    W, W_Z, W_D = np.zeros((3, system.bodies.block[-1]))
+    assert step.prepare(STEP, W, W_Z, W_D)
+    assert not step.prepare(STEP, W, W_Z, W_D)  # kept
+    M, K, B = body.inertia.matrix.toarray(), body.K.toarray(), body.B.toarray()
+    projector = np.eye(body.size)
+    if floating:
+        projector -= body.Phi @ np.linalg.solve(body.C.T @ body.Phi, body.C.T)
+    D = material.damping.mass * projector.T @ M @ projector + material.damping.stiffness * K
+    S = STEP.sigma * M + STEP.gamma * STEP.h * D + STEP.beta * STEP.h**2 * K
+    Y = projector @ np.linalg.solve(S, projector.T @ B)
+    Z, Z_D = np.linalg.solve(S, K @ Y), np.linalg.solve(S, D @ Y)
+    width = 6 + B.shape[1]
+    for flat, response, name in ((W, Y, "Y"), (W_Z, Z, "Z"), (W_D, Z_D, "Z_D")):
+        np.testing.assert_allclose(
+            getattr(step.constants, name), response, rtol=0, atol=1e-10 * np.abs(response).max(), err_msg=name
+        )
+        block = flat[system.bodies.block[1] : system.bodies.block[2]].reshape(width, width)
+        expected = B.T @ response
+        np.testing.assert_allclose(block[6:, 6:], expected, rtol=0, atol=1e-10 * np.abs(expected).max(), err_msg=name)
+        assert not block[:6].any() and not block[:, :6].any()
+    if floating:
+        np.testing.assert_allclose(body.C.T @ step.constants.Y, 0.0, atol=1e-10)
+
+
+def test_frame_compliance_is_that_of_the_deformed_body():
+    body = build_mesh_body("m", mesh_body(np.random.default_rng(3)), ".")
+    system = build_system(Model({"m": mesh_body(np.random.default_rng(3))}), meshes={"m": body})
+    step = MeshStep(body, 1, system.bodies)
+    step.u_next[:] = 1e-4 * np.random.default_rng(4).normal(size=body.size)
+    W = np.zeros(system.bodies.block[-1])
+    step.frame_compliance(STEP, W)
+    # J₆(c) = Φ(c)ᵀMΦ(c) by the inertia forces of unit accelerations
+    inertia, columns, rest = body.inertia, [], np.zeros(body.size)
+    for a in np.eye(6):
+        nodal, frame = np.empty(body.size), np.empty(6)
+        inertia.residual(a[:3], np.zeros(3), a[3:], step.u_next, rest, rest, nodal, frame)
+        columns.append(frame)
+    block = W.reshape(18, 18)
+    # second moments of u itself are lumped: some (1e-4/0.1)²; without u the difference would be 1e-3
+    np.testing.assert_allclose(block[:6, :6] @ (STEP.sigma * np.array(columns).T), np.eye(6), atol=1e-5)
+    assert not block[6:].any()
+
+
+def test_frames_move_by_the_exponential_of_se3():
+    """q₁ = q₀ ∘ exp(Δq) against the matrix exponential of the 4×4 twist; elastic coordinates add; ground stays."""
+    rng = np.random.default_rng(5)
+    bodies = {"a": rigid_body(rng), "z": ritz_body(rng, 2), "given": RigidBody(1.0, motion=GivenMotion())}
+    system = build_system(Model(bodies))
+    state = Motion(system, 6).at_rest(0.0)
+    out = copy_motion(state)
+    increment = rng.normal(size=system.coordinates)
+    move(system.bodies, state, increment, out)
+    for b in (1, 2):
+        o = system.bodies.offset[b]
+        (q, theta), pose, twist = np.split(increment[o : o + 6], 2), np.eye(4), np.zeros((4, 4))
+        pose[:3, :3], pose[:3, 3] = state.rotation[b], state.origin[b]
+        twist[:3, :3], twist[:3, 3] = np.cross(theta, np.eye(3)).T, q
+        expected = pose @ expm(twist)
+        np.testing.assert_allclose(out.rotation[b], expected[:3, :3], atol=1e-13)
+        np.testing.assert_allclose(out.origin[b], expected[:3, 3], atol=1e-13)
+    o = system.bodies.offset[2]
+    np.testing.assert_allclose(out.e[o + 6 : o + 8], state.e[o + 6 : o + 8] + increment[o + 6 : o + 8], atol=1e-15)
+    for b in (0, 3):
+        np.testing.assert_array_equal(out.origin[b], state.origin[b])
+        np.testing.assert_array_equal(out.rotation[b], state.rotation[b])
