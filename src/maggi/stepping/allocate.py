@@ -53,6 +53,7 @@ def new_work(system: System) -> StepWork:
     n, r = system.coordinates, system.rows
     blocks = int(system.bodies.block[-1])
     skyline = int(system.liaisons.skyline_start[-1])
+    springs = len(system.forces.spring_ends) + system.forces.torsion_coordinate.size
     return StepWork(
         W=np.zeros(blocks),
         W_Z=np.zeros(blocks),
@@ -74,4 +75,9 @@ def new_work(system: System) -> StepWork:
         kappa=np.zeros(r),
         phi=np.zeros(r),
         independent=np.zeros(1, dtype=np.int64),
+        spring_J=np.zeros((springs, n)),
+        spring_W=np.zeros((springs, n)),
+        spring_border=np.zeros((springs, r)),
+        spring_inverse=np.zeros((springs, springs)),
+        spring_force=np.zeros(springs),
     )

@@ -25,6 +25,7 @@ from maggi.projection.range_space import (
     transpose_product,
 )
 
+from .springs import invert, shift_springs, solve_springs, spring_border, spring_rows
 from .tables import StepVectors, StepWork
 
 CONVERGED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
@@ -33,33 +34,6 @@ MAX_ITERATIONS = 25
 REFRESH_ABOVE = 0.1  # contraction above which the iteration's matrices are made anew
 ROUND_OFF = 1e-12  # liaison residuals, relative to size, speed and acceleration
 STALLED = 1e-10  # accepted where round-off lets them fall no further
-
-
-@njit(cache=True)
-def invert(matrix: Array, out: Array) -> None:
-    """The inverse of a small positive definite matrix, by L D Lᵀ; `matrix` is overwritten."""
-    n = matrix.shape[0]
-    for i in range(n):
-        for j in range(i):
-            value = matrix[i, j]
-            for k in range(j):
-                value -= matrix[i, k] * matrix[j, k] * matrix[k, k]
-            matrix[i, j] = value / matrix[j, j]
-        value = matrix[i, i]
-        for k in range(i):
-            value -= matrix[i, k] * matrix[i, k] * matrix[k, k]
-        matrix[i, i] = value
-    for column in range(n):
-        for i in range(n):
-            value = 1.0 if i == column else 0.0
-            for k in range(column, i):
-                value -= matrix[i, k] * out[k, column]
-            out[i, column] = value
-        for i in range(n - 1, -1, -1):
-            value = out[i, column] / matrix[i, i]
-            for k in range(i + 1, n):
-                value -= matrix[k, i] * out[k, column]
-            out[i, column] = value
 
 
 @njit(cache=True)
@@ -334,6 +308,9 @@ def iterate(
     vector = work.vector
     velocity_force = work.velocity_force
     size = state.scales[0]
+    J = work.spring_J
+    border = work.spring_border
+    springs = J.shape[0]
     n = a.shape[0]
     r = row_kind.shape[0]
     residuals = np.empty(3)
@@ -380,6 +357,11 @@ def iterate(
             for i in range(r):
                 if pivot[i] == 0.0:
                     multipliers_next[i] = 0.0
+            if springs > 0:
+                spring_rows(forces, bodies, liaisons, next_motion, attachments, J)
+                spring_border(
+                    forces, bodies, liaisons, c, A, W, L, pivot, J, work.spring_W, border, work.spring_inverse
+                )
             refresh = False
         transpose_product(liaisons, bodies, A, multipliers_next, applied)
         for i in range(n):
@@ -411,6 +393,9 @@ def iterate(
             rate_shift[:] = 0.0
             delta[:] = 0.0
         residual[:] = 0.0
+        vector[:] = 0.0
+        if springs > 0:
+            shift_springs(forces, J, shift, rate_shift, vector)
         for b in range(kind.shape[0]):
             o = offset[b]
             e = offset[b + 1]
@@ -426,11 +411,11 @@ def iterate(
                         )
                     residual[o + 6 + i] += value
                 for i in range(o, e):
-                    residual[i] += applied[i]
+                    residual[i] += applied[i] + vector[i]
             elif kind[b] == MESH:
                 for i in range(o, e):
-                    residual[i] = applied[i] - accounted[i]
-                    accounted[i] = applied[i]
+                    residual[i] = applied[i] + vector[i] - accounted[i]
+                    accounted[i] = applied[i] + vector[i]
                 if iteration == 0:
                     for i in range(o, o + 6):
                         residual[i] += base[i]
@@ -442,8 +427,15 @@ def iterate(
         product(liaisons, bodies, A, delta, phi)
         for i in range(r):
             phi[i] += row_acceleration[i] / c.sigma
+            kappa[i] = phi[i]
         solve(first, start, L, pivot, phi)
+        if springs > 0:
+            residual[:] = 0.0
+            solve_springs(J, border, work.spring_inverse, delta, kappa, phi, residual, work.spring_force)
         transpose_product(liaisons, bodies, A, phi, vector)
+        if springs > 0:
+            for i in range(n):
+                vector[i] += residual[i]
         for b in range(kind.shape[0]):
             if kind[b] == MESH:
                 for i in range(offset[b], offset[b + 1]):

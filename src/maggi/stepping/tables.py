@@ -67,6 +67,7 @@ class StepWork(NamedTuple):
     W_Z, W_D (flat blocks): B̂ᵀŜ⁻¹KŜ⁻¹B̂ of mesh bodies and the same with D. L (skyline), pivot, scale (r,).
     base (n,): mesh bodies: frame residual, and the free elastic increments. accounted (n,): liaison forces that
     mesh bodies' increments already contain. position_force, velocity_force (n,): accumulated Aᵀπ, Aᵀκ.
+    spring_J, spring_W (s, n), spring_border (s, r), spring_inverse (s, s), spring_force (s,): see `springs`.
     """
 
     W: Array
@@ -89,3 +90,8 @@ class StepWork(NamedTuple):
     kappa: Array
     phi: Array
     independent: IntArray
+    spring_J: Array
+    spring_W: Array
+    spring_border: Array
+    spring_inverse: Array
+    spring_force: Array
