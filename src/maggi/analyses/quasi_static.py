@@ -68,9 +68,14 @@ class QuasiStatic:
         moving = floating_velocities(system)
         fields = {index: mesh.u.copy() for index, mesh in self._meshes.items()}
         change = previous = np.inf
+        loads = self._loads(self._undeformed(motion), t)
         for _ in range(ATTEMPTS):
             before, previous = motion.e.copy(), change
-            fields = self._improve(motion, t, moving, fields)
+            try:
+                fields = self._improve(motion, t, moving, fields, loads)
+            except np.linalg.LinAlgError:  # of equations that are no longer finite
+                change = np.inf
+                break
             reach = max([float(np.abs(part).max(initial=0.0)) for part in (motion.e, *fields.values())])
             change = float(np.abs(motion.e - before).max(initial=0.0))
             if not np.isfinite(change):
@@ -85,7 +90,7 @@ class QuasiStatic:
         )
 
     def _improve(
-        self, motion: MotionState, t: float, moving: NDArray[np.int64], fields: dict[int, Array]
+        self, motion: MotionState, t: float, moving: NDArray[np.int64], fields: dict[int, Array], loads: Array
     ) -> dict[int, Array]:
         """One step of Newton's method on frames' accelerations, liaison forces, elastic and rigid displacements."""
         system = self._system
@@ -93,7 +98,6 @@ class QuasiStatic:
         motion.vd[moving] = self._twist_rates[moving]
         rows = dense_rows(system, motion, t)
         holonomic = system.liaisons.holonomic == 1
-        loads = self._loads(motion, t)
         residual, free = self._inertia(motion, fields)
         applied = rows.A.T @ self._multipliers - loads
         # elastic coordinates that the present inertia alone gives, e₀, and per unit multipliers
@@ -190,6 +194,19 @@ class QuasiStatic:
                 rates[body.index] -= self._Y[body.index] @ force[part]
                 if body.rigid.shape[1]:
                     rates[body.index] -= self._meshes[body.index].body.Phi @ (body.rigid.T @ force[part])
+
+    def _undeformed(self, motion: MotionState) -> MotionState:
+        """The motion with its elastic bodies as they are without load.
+
+        Applied forces are those of the rigid motion: a stiff spring at a free mechanism would otherwise have the
+        mechanism's position, which is given, follow from its force.
+        """
+        rigid = copy_motion(motion)
+        for body in self._bodies:
+            part = slice(self._system.bodies.offset[body.index] + 6, self._system.bodies.offset[body.index + 1])
+            rigid.e[part] = 0.0
+            rigid.v[part] = 0.0
+        return rigid
 
     def _loads(self, motion: MotionState, t: float) -> Array:
         system = self._system
