@@ -219,6 +219,7 @@ def test_the_format_of_a_line() -> None:
     with pytest.raises(ModelErrors) as caught:
         read_text(text, name="model.yml")
     wanted = "model.yml:6:47: bodies.arm.material.poisson: Input should be less than 0.5, found 0.6"
+    wanted += " ('poisson' means: Poisson's ratio)"
     assert str(caught.value) == wanted
 
 

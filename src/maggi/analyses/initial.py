@@ -40,6 +40,7 @@ def refuse_overdriven(system: System, motion: MotionState) -> None:
     """Raise ModelError where drivers prescribe more than the joints leave free."""
     kind = system.liaisons.row_kind
     driven = np.flatnonzero((kind == DRIVEN) | (kind == DRIVEN_RATE))
+    driven = driven[np.argsort(system.liaisons.row_owner[driven])]  # the model's order: the later driver is too many
     if driven.size == 0:
         return
     A = dense_rows(system, motion, 0.0).A

@@ -13,9 +13,10 @@ from maggi.elements.assembly import assemble_solids
 from maggi.elements.beam import assemble_beam
 from maggi.elements.materials import CellMaterials
 from maggi.mesh import Mesh, load_mesh, select
+from maggi.mesh.load import in_the_model
 from maggi.model.attachments import Attachment
 from maggi.model.bodies import ElasticBody
-from maggi.model.errors import ModelError
+from maggi.model.errors import MeshError, ModelError
 from maggi.model.materials import Damping, Material
 from maggi.model.meshes import BeamMesh
 
@@ -88,7 +89,10 @@ def build_mesh_body(name: str, body: ElasticBody, folder: str) -> MeshBody:
     ]
     refuse_overlap(couplings, path)
     materials, damping = _materials(body.material, mesh, path)
-    matrices = assemble_solids(mesh.nodes, mesh.cells, materials, mesh.cell_labels)
+    try:
+        matrices = assemble_solids(mesh.nodes, mesh.cells, materials, mesh.cell_labels)
+    except MeshError as error:
+        raise in_the_model(error, body.mesh, f"{path}.mesh") from None
     freedoms = Freedoms.of(mesh.nodes, [(c.nodes, c.point) for c in couplings if c.rigid])
     inertia = IsotropicInertia(mesh.nodes, matrices.mass, freedoms)
     columns = []

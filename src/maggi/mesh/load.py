@@ -43,8 +43,23 @@ def load_mesh(source: MeshSource, folder: str = ".", path: str = "") -> Mesh:
             mesh = box(size, cells, cell, path=f"{path}.box" if path else "box")
         case BeamMesh(length, _, elements):
             mesh = beam(length, elements, path=f"{path}.beam" if path else "beam")
-    validate(mesh)
+    try:
+        validate(mesh)
+    except MeshError as error:
+        raise in_the_model(error, source, path) from None
     return mesh
+
+
+def in_the_model(error: MeshError, source: MeshSource, path: str) -> MeshError:
+    """A copy of an error about a mesh as a whole that stands where the model names the mesh.
+
+    path : as of `load_mesh`; without one, and for an error that has a line of its own, the error as it is.
+    """
+    if not path or error.line or error.path:
+        return error
+    name = f"{os.path.basename(source.path)}: " if isinstance(source, FileMesh) else ""
+    key = {FileMesh: "file", BoxMesh: "box", BeamMesh: "beam"}[type(source)]
+    return MeshError(f"{name}{error.message}", path=f"{path}.{key}", remedy=error.remedy)
 
 
 def _read(name: str, unit: float, folder: str, path: str) -> Mesh:

@@ -109,6 +109,7 @@ def _convert(details: ErrorDetails, data: Any, context: Context) -> Located:
         near = nearest(str(keys[-1]), allowed)
         if near:
             message += f"; did you mean '{near}'?"
+            remedy = f"write '{near}'"
         else:
             remedy = f"known keys are {', '.join(allowed)}"
     elif kind == "missing":
@@ -125,7 +126,18 @@ def _convert(details: ErrorDetails, data: Any, context: Context) -> Located:
         remedy = f"did you mean '{near}'?" if near else ""
     else:
         message = f"{message}, found {shown(value)}"
+        remedy = _meaning(keys, data, context)
     return Located(ModelError(message, path=".".join(str(key) for key in keys), remedy=remedy), at_key)
+
+
+def _meaning(keys: Sequence[str | int], data: Any, context: Context) -> str:
+    """What the innermost key of a path that has a description stands for."""
+    for depth in range(len(keys), 0, -1):
+        section = context.sections.get(id(_descend(data, keys[: depth - 1])))
+        field_info = section.model_fields.get(str(keys[depth - 1])) if section else None
+        if field_info is not None and field_info.description:
+            return f"'{keys[depth - 1]}' means: {field_info.description}"
+    return ""
 
 
 def _without_marks(whole: Sequence[str | int], data: Any) -> list[str | int]:

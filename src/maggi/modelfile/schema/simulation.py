@@ -44,7 +44,11 @@ class SimulationSection(Section):
     def _countable(self) -> SimulationSection:
         steps = self.duration / self.step
         if steps < 0.5:
-            raise mistake(f"the step {self.step:g} s is longer than the duration {self.duration:g} s", at=("step",))
+            raise mistake(
+                f"the step {self.step:g} s is longer than the duration {self.duration:g} s",
+                "shorten the step or lengthen the duration",
+                ("step",),
+            )
         if steps > MAX_STEPS:
             raise mistake(f"{steps:.3g} steps are more than {MAX_STEPS:g}", "use a longer step", ("step",))
         return self
