@@ -28,10 +28,10 @@ class Label:
     bold: bool = False
 
 
-def place_labels(axes: Axes, camera: Camera, labels: list[Label]) -> None:
+def place_labels(axes: Axes, camera: Camera, labels: list[Label], clear: Array) -> None:
     """Write the labels beside their points, each where it covers no other label and as few points as possible.
 
-    The axes must have their limits; the figure is laid out first, since distances are on paper.
+    clear : (k, 2, 2) lowest and highest corners of what else is to be kept clear, as fractions of the axes. The axes must have their limits; the figure is laid out first, since distances are on paper.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
@@ -40,7 +40,7 @@ def place_labels(axes: Axes, camera: Camera, labels: list[Label]) -> None:
     to_points = 72.0 / figure.dpi
     anchors = axes.transData.transform(flat) * to_points
     frame = axes.get_window_extent().get_points() * to_points
-    taken: list[Array] = []
+    taken: list[Array] = list(frame[0] + clear * (frame[1] - frame[0]))
     for label, anchor in zip(labels, anchors, strict=True):
         half = 0.5 * np.array([max(map(len, label.lines)) * _LETTER, len(label.lines) * 1.25 * _FONT]) + 2.0
         offset, box = min(

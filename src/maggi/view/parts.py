@@ -20,6 +20,8 @@ IntArray = NDArray[np.int64]
 
 LINK_WIDTH = 7.0  # points
 RIGID_COLORS = ("#d3dbe2", "#ead9bf", "#d3e0c8", "#ddd2e4")
+_GRAVITY = (0.93, 0.9)  # where its arrow starts, as fractions of the axes
+GRAVITY_BOX = np.array([[[0.9, 0.55], [0.96, 0.93]]])  # what it covers
 _AXIS_COLORS = ("#c0392b", "#1e8449", "#1f5fa8")
 
 
@@ -108,7 +110,7 @@ def draw_gravity(axes: Axes, camera: Camera, gravity: Array) -> None:
     """An arrow along gravity (3,), in the upper right corner; none without gravity."""
     strength = float(np.linalg.norm(gravity))
     if strength > 0.0:
-        _corner_arrows(axes, camera, (0.93, 0.9), {"g": gravity / strength}, (INK,))
+        _corner_arrows(axes, camera, _GRAVITY, {"g": gravity / strength}, (INK,))
 
 
 def _corner_arrows(

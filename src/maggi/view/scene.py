@@ -14,7 +14,17 @@ from maggi.results.results import Array
 from .instants import distinct_points
 from .joint_symbols import draw_joint
 from .labels import Label, place_labels
-from .parts import RIGID_COLORS, draw_beam, draw_gravity, draw_link, draw_points, draw_surface, draw_triad, prepare
+from .parts import (
+    GRAVITY_BOX,
+    RIGID_COLORS,
+    draw_beam,
+    draw_gravity,
+    draw_link,
+    draw_points,
+    draw_surface,
+    draw_triad,
+    prepare,
+)
 from .projection import Camera, axonometric, facing
 from .style import new_figure, plain
 
@@ -42,7 +52,7 @@ def scene_figure(scene: Scene) -> Figure:
         _draw(axes, camera, scene, size)
         draw_triad(axes, camera)
         draw_gravity(axes, camera, scene.gravity)
-    place_labels(panels[0], cameras[0], _labels(scene, _NEAR * size))
+    place_labels(panels[0], cameras[0], _labels(scene, _NEAR * size), GRAVITY_BOX)
     return figure
 
 
