@@ -29,7 +29,8 @@ FORCE_SHARE = 1e3
 
 @dataclass
 class Counts:
-    """What a run has cost: steps, corrections of the small system, back-substitutions, factorisations, restarts."""
+    """What a run has cost: steps, corrections of the small system, back-substitutions of each meshed body, and
+    factorisations and restarts in all."""
 
     steps: int = 0
     corrections: int = 0
@@ -194,7 +195,7 @@ class Stepper:
             for mesh in self.meshes:
                 mesh.solve_free(c, state.next, gravity, work.base)
                 mesh.frame_compliance(c, work.W)
-                self.counts.back_substitutions += 1
+            self.counts.back_substitutions += bool(self.meshes)
             reason, corrections = self._phase(kernels.ITERATE, c, t)
             self.counts.corrections += corrections
             self.last_iterations = corrections
