@@ -67,7 +67,8 @@ def test_both_give_the_same_results():
     read = maggi.run(maggi.load(FOLDER / "slider_crank.yml", [f"simulation.duration={20 * STEP}"]))
     assert len(written.time) == len(read.time) == 3
     for path in ("joints/wristpin/force", "bodies/rod/displacement", "energy/work"):
-        np.testing.assert_array_equal(written.series(path), read.series(path))
+        expected = read.series(path)  # sums in the factorisation's threads come in any order: 3e-12 was seen
+        np.testing.assert_allclose(written.series(path), expected, atol=1e-9 * np.abs(expected).max())
 
 
 @pytest.mark.slow
