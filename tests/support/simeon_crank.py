@@ -5,6 +5,8 @@ The equations are the case's own, in p = (φ₁, φ₂, x₃) and q, written out
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
@@ -44,6 +46,9 @@ class Case:
         self.c12 = L2 * FB * np.array([0, 0, 1 / 3, 1 / 6])
         self.c21 = L2 * FB * np.array([1 / pi, -1 / (2 * pi), 0, 0])
 
+
+# The same mechanism with shape functions, and the program's own integrals of them.
+INTEGRATED = Path(__file__).parents[2] / "benchmarks" / "simeon_crank.yml"
 
 TABULATED = Case(3.1415927, 15.0)
 CONSISTENT = Case(np.pi, 1.0)
@@ -226,60 +231,3 @@ def final_positions(results: Results) -> Array:
 def _about_z(angle: float) -> tuple[tuple[float, float, float], ...]:
     c, s = float(np.cos(angle)), float(np.sin(angle))
     return ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0))
-
-
-INTEGRATED = """\
-# The same mechanism with shape functions, and the program's own integrals of them.
-maggi: 1
-parameters:
-  l: 0.30
-  side: 0.008
-  q3: 0.103339863e-4
-  q4: 0.169327969e-4
-  FK: 0.2e12*side**2/l
-  K11: FK*pi**4/24*(side/l)**2
-  J2: 0.0045339259
-bodies:
-  crank:
-    kind: rigid
-    mass: 0.36
-    center_of_mass: [0.075, 0, 0]
-    inertia: [1e-4, 7e-4, 0.002727 - 0.36*0.075**2]
-    velocity: {angular: [0, 0, 150]}
-    attachments: {pin: {at: [0.15, 0, 0]}}
-  rod:
-    kind: ritz
-    pose: {origin: [0.15, 0, 0]}
-    velocity: {linear: [0, 22.5, 0], angular: [0, 0, -74.9957670]}
-    shapes:
-      x: [0, 0, 4*x/l*(1 - x/l), 2*(x/l)**2 - x/l]
-      y: [sin(pi*x/l), sin(2*pi*x/l), 0, 0]
-      z: [0, 0, 0, 0]
-    integrals:
-      density: 7870
-      line: {length: l, area: side**2, order: 24}
-      stiffness:
-        - [K11, 0, 0, 0]
-        - [0, 16*K11, 0, 0]
-        - [0, 0, 16/3*FK, -8/3*FK]
-        - [0, 0, -8/3*FK, 7/3*FK]
-      J0: [0.151104*side**2/6, J2, J2]
-    initial:
-      coordinates: [0, 0, q3, q4]
-      rates: [0.444896105, 0.463434311e-2, -0.178591076e-5, -0.268938672e-5]
-    attachments: {start: {at: [0, 0, 0]}, end: {at: [l, 0, 0]}}
-  block:
-    kind: rigid
-    mass: 0.075552
-    inertia: [1e-4, 1e-4, 1e-4]
-    pose: {origin: [0.45 + q4, 0, 0]}
-    velocity: {linear: [-0.268938672e-5, 0, 0]}
-    attachments: {pin: {at: [0, 0, 0]}}
-joints:
-  bearing: {type: revolute, between: [ground, crank], at: [0, 0, 0], axis: [0, 0, 1]}
-  crankpin: {type: revolute, between: [crank.pin, rod.start], axis: [0, 0, 1]}
-  wristpin: {type: revolute, between: [rod.end, block.pin], axis: [0, 0, 1]}
-  guide: {type: prismatic, between: [ground, block.pin], axis: [1, 0, 0]}
-  motor: {type: driver, joint: bearing, angle: 150*t}
-simulation: {duration: 0.1, step: 1e-6, rho_inf: 1, tolerance: 1e-10}
-"""

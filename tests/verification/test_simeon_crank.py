@@ -24,7 +24,7 @@ from transient_runs import extrapolated, simulate
 from maggi.analyses.snapshot import Snapshots
 from maggi.analyses.transient import prepare
 from maggi.model import Simulation
-from maggi.modelfile import read_text
+from maggi.modelfile import read
 
 # At t = 0.1 s: φ₁, φ₂, x₃, q₁ … q₄ and λ, recomputed by extrapolation in long double from the case's equations
 # (CASES C1, 13 digits; they agree with the test set's own reference to the test set's 10).
@@ -64,7 +64,7 @@ def test_accelerations_and_forces_are_those_of_the_cases_own_equations(case, phi
     _, phi2d, _, x3d = closed(phi1, q, SPEED, qd)
     described = model(phi1, q, SPEED, qd, phi2d, x3d)
     if case is CONSISTENT:
-        given, _ = read_text(INTEGRATED)
+        given, _ = read(INTEGRATED)
         rod = replace(described.bodies["rod"], terms=given.bodies["rod"].terms, shapes=given.bodies["rod"].shapes)
         described = replace(described, bodies=described.bodies | {"rod": rod})
     stepper, _, notes, _ = prepare(replace(described, simulation=Simulation(1e-3, 1e-6)))
@@ -106,7 +106,7 @@ def test_tabulated_constants():
 @pytest.mark.slow
 def test_the_programs_own_integrals_follow_the_equations_for_a_while():
     """0.02 s, against DOP853 on the case's equations with consistent constants; benchmarks/simeon_crank.py goes on to 0.1 s."""
-    described, _ = read_text(INTEGRATED)
+    described, _ = read(INTEGRATED)
     counts = [30_000, 40_000]
     best = extrapolated(
         [final_positions(simulate(described, 0.02, 0.02 / count, tolerance=1e-9)[0]) for count in counts], counts
