@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from maggi.elements.beam import BeamTerms
 from maggi.elements.products import mass_product
+from maggi.linalg.vectors import cross
 
 from .freedoms import Freedoms
 
@@ -109,9 +110,9 @@ class BeamInertia:
         S = self.S0 + self._m_O.T @ u
         J = self._inertia(u, sums[:9].reshape(3, 3))
         rate, acceleration = self._m_O.T @ ud, self._m_O.T @ udd
-        frame[:3] = self.mass * a_O + np.cross(eps, S) + np.cross(w, np.cross(w, S))
-        frame[:3] += 2.0 * np.cross(w, rate) + acceleration
-        frame[3:] = np.cross(S, a_O) + J @ eps + np.cross(w, J @ w)
+        frame[:3] = self.mass * a_O + cross(eps, S) + cross(w, cross(w, S))
+        frame[:3] += 2.0 * cross(w, rate) + acceleration
+        frame[3:] = cross(S, a_O) + J @ eps + cross(w, J @ w)
         frame[3:] += self._s @ udd + sums[9:12]
         coupling = self._s2 @ ud + sums[12:].reshape(3, 3)  # [l, k]: (s_lk + H_lk δ)·δ̇
         frame[3:] -= 2.0 * w @ coupling
@@ -127,8 +128,8 @@ class BeamInertia:
         zero = np.zeros(3)
         _beam_pass(self._indptr, self._indices, self._blocks, zero, zero, u, ud, ud, scratch, self._scalars)
         S, J = self.S0 + self._m_O.T @ u, self._inertia(u, self._scalars[:9].reshape(3, 3))
-        linear = self.mass * v + np.cross(w, S) + self._m_O.T @ ud
-        angular = np.cross(S, v) + J @ w + self._s @ ud + self._scalars[9:12]
+        linear = self.mass * v + cross(w, S) + self._m_O.T @ ud
+        angular = cross(S, v) + J @ w + self._s @ ud + self._scalars[9:12]
         relative = self._m_O.T @ ud @ v + (self._s @ ud + self._scalars[9:12]) @ w + ud @ scratch
         return float(0.5 * (v @ linear + w @ angular + relative))
 

@@ -14,11 +14,14 @@ from maggi.bodies.tables import BodyTable, MotionState
 from maggi.elements.products import stiffness_product
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.factor import Factor, factorise
+from maggi.linalg.vectors import cross
 
 from .nodal_kernels import correct_nodal, predict_nodal
 
 Array = NDArray[np.float64]
 
+# Below this number of freedoms a second thread costs more than it does, many times so on a busy machine.
+THREADED = 10_000
 PARTS = 16  # of the freedoms, summed separately so that sums do not depend on the number of threads
 
 
@@ -64,6 +67,7 @@ class MassSolver:
 class MeshStep:
     """One meshed body in time: its elastic displacements u, their rates, and the step's constants.
 
+    threaded: whether its passes are worth more than one thread.
     u, ud, udd, a: displacements (m, rad), velocities, true and algorithmic accelerations at the beginning of a
     step; the same with `_next` at its end. Body axes, relative to the frame.
     """
@@ -81,6 +85,7 @@ class MeshStep:
         self.correction = 0.0
         self._squares = np.zeros(PARTS)
         self._force, self._elastic, self._frame = np.zeros(size), np.zeros(size), np.zeros(6)
+        self.threaded = body.size >= THREADED
         self._B_transposed = body.B.T.tocsr()
         self._solve_J6 = np.linalg.inv(body.J6)
         self._kept: dict[float, Condensation] = {}
@@ -203,7 +208,7 @@ class MeshStep:
     def _inertia_force(self, motion: MotionState, gravity: Array) -> None:
         o = self._start
         v, w = motion.v[o : o + 3], motion.v[o + 3 : o + 6]
-        a_O = motion.vd[o : o + 3] + np.cross(w, v) - motion.rotation[self.index].T @ gravity
+        a_O = motion.vd[o : o + 3] + cross(w, v) - motion.rotation[self.index].T @ gravity
         self.body.inertia.residual(
             a_O,
             w,

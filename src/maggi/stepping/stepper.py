@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,7 +31,8 @@ FORCE_SHARE = 1e3
 @dataclass
 class Counts:
     """What a run has cost: steps, corrections of the small system, back-substitutions of each meshed body, and
-    factorisations and restarts in all."""
+    factorisations and restarts in all.
+    """
 
     steps: int = 0
     corrections: int = 0
@@ -121,10 +123,13 @@ class Stepper:
         Fewer means that the iteration of the next one did not converge; the state is that of the last good step.
         """
         if self.meshes:
-            for k in range(steps):
-                if not self._mesh_step(t + (k + 1) * self.coefficients.h):
-                    return k
-            return steps
+            threads = numba.get_num_threads()
+            if not any(mesh.threaded for mesh in self.meshes):
+                numba.set_num_threads(1)
+            try:
+                return self._mesh_steps(t, steps)
+            finally:
+                numba.set_num_threads(threads)
         _, done, corrections = self._kernel(kernels.WHOLE_STEPS, self.coefficients, t, steps)
         self.counts.steps += done
         self.counts.corrections += corrections
@@ -164,6 +169,12 @@ class Stepper:
             self.work,
         )
         return reason, done, corrections
+
+    def _mesh_steps(self, t: float, steps: int) -> int:
+        for k in range(steps):
+            if not self._mesh_step(t + (k + 1) * self.coefficients.h):
+                return k
+        return steps
 
     def _mesh_step(self, t: float) -> bool:
         c, state = self.coefficients, self.state
