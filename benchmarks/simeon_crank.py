@@ -20,7 +20,7 @@ from maggi.modelfile import read
 from maggi.results.memory import MemoryRecorder
 
 DURATION = 0.1
-COUNTS = (250_000, 300_000, 350_000)
+COUNTS = (300_000, 400_000, 500_000)
 NAMES = ("phi2", "x3", "q1", "q2", "q3", "q4")
 REFERENCE = np.array([-0.33117343033, 0.16973739583, 1.8930813742e-4, 2.376201180e-5, -5.28102478e-6, -8.30355447e-6])
 
