@@ -30,8 +30,8 @@ def motion_figure(results: Results) -> Figure | None:
         charts.append((speeds, "m/s", "|v|", "Attachments, speed"))
     coordinates = list(_coordinates(results).items())[:MOST_COORDINATES]
     for name, (values, unit) in coordinates:
-        what = "displacement" if unit == "m" else "angle"
-        charts.append(({name: values}, unit, what, f"{what.capitalize()} of {name}"))
+        letter, what = ("s", "Displacement") if unit == "m" else ("φ", "Angle")
+        charts.append(({name: values}, unit, letter, f"{what} of {name}"))
     if not charts:
         return None
     heights = [1.7] * (len(charts) - len(coordinates)) + [1.1] * len(coordinates)
