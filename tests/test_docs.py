@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -95,7 +96,7 @@ def test_commands_and_snippet_of_the_readme(tmp_path):
     (commands,) = [block for block in blocks(ROOT / "README.md", "sh") if "maggi check" in block]
     environment = {**os.environ, "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])}
     for line in commands.splitlines():
-        command = line.replace(".venv/bin/maggi", f"{sys.executable} -m maggi")
+        command = line.replace(".venv/bin/maggi", f"{shlex.quote(sys.executable)} -m maggi")
         subprocess.run(command, shell=True, cwd=tmp_path, env=environment, check=True, capture_output=True)
     assert {"bar.h5", "bar_model.png", "bar_mechanism.png", "bar_joints.csv"} <= set(os.listdir(tmp_path))
     (snippet,) = blocks(ROOT / "README.md", "python")
