@@ -60,6 +60,9 @@ def simulate(
 
     try:
         described, source = read(model, overrides)
+        from maggi.stepping import ahead
+
+        ahead.begin()
         from maggi.analyses.transient import run as run_transient
         from maggi.results.store import FileRecorder
 

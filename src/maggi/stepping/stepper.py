@@ -16,7 +16,7 @@ from maggi.integrators.generalized_alpha import GeneralizedAlpha, generalized_al
 from maggi.model.errors import SimulationError
 from maggi.system.system import System
 
-from . import kernels
+from . import ahead, kernels
 from .allocate import new_state, new_work, small_system
 from .mesh_step import MeshStep
 from .policy import MOST, SolvePolicy
@@ -92,6 +92,7 @@ class Stepper:
 
     def start_accelerations(self, t: float) -> None:
         """True accelerations and liaison forces of the present state (Eq. T10), the algorithmic ones set equal."""
+        ahead.finish(self._announce)
         c = instantaneous()
         state, work = self.state, self.work
         kernels.compliances(self.small.bodies, state.now, c, self.system.inertia_floor, work.W)
