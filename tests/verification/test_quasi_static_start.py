@@ -32,6 +32,8 @@ from maggi.model import (
 )
 from maggi.model.joints import End
 
+pytestmark = pytest.mark.slow  # many short runs
+
 QUIET = Simulation(1e-3, 2e-5, 1.0)
 RINGING = Simulation(1e-3, 2e-5, 1.0, start="undeformed")
 BENDING = STEEL.young * 0.02**4 / 12  # EI, N m²
