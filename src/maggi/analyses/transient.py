@@ -296,7 +296,9 @@ def _balance(energies: Array) -> tuple[float, float]:
     total = energies[:, :4].sum(axis=1) - energies[:, 4]
     exchanged = float(np.ptp(energies, axis=0).max())
     defect = total - total[0]
-    return (float(np.abs(defect).max()) / exchanged if exchanged > 0.0 else 0.0), float(-defect[-1])
+    # where nothing is exchanged there is only the round-off of the energies themselves
+    nothing = exchanged <= 1e-12 * float(np.abs(energies).max())
+    return (0.0 if nothing else float(np.abs(defect).max()) / exchanged), float(-defect[-1])
 
 
 def _summary(

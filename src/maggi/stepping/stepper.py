@@ -10,6 +10,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from maggi.bodies.kernels import mass_matrix
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MESH, RITZ
 from maggi.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha, instantaneous
@@ -251,11 +252,24 @@ class Stepper:
         system = self.system
         if not all(np.isfinite(part).all() for part in (rows.position, rows.velocity, rows.acceleration)):
             return SimulationError(f"the motion is no longer finite at t = {t:.6g} s; try a smaller step")
+        for entry in system.body_entries:
+            if system.bodies.kind[entry.index] == RITZ and not self._has_positive_mass(entry.index):
+                return SimulationError(
+                    f"the mass matrix of body {entry.name!r} is no longer positive definite at t = {t:.6g} s: its "
+                    "constants (m, m_O, G, H, s, s2, J0) do not belong to one set of shape functions"
+                )
         text = f"the iteration of the step to t = {t:.6g} s does not converge"
         if system.rows:
             worst = int(np.argmax(np.abs(rows.acceleration)))
             text += f"; the liaison furthest from being met is {system.row_name(worst)}"
         return SimulationError(f"{text}; try a smaller step, or look for a singular position there")
+
+    def _has_positive_mass(self, body: int) -> bool:
+        bodies, motion = self.small.bodies, self.state.now
+        o, e = int(bodies.offset[body]), int(bodies.offset[body + 1])
+        M = np.zeros((e - o, e - o))
+        mass_matrix(bodies, body, motion.e[o + 6 : e], M)
+        return bool(np.linalg.eigvalsh(M)[0] > 0.0)
 
     def has_elastic(self) -> bool:
         """Whether any body has elastic coordinates."""

@@ -44,17 +44,17 @@ def build_system(
     *,
     recorded: Mapping[str, RecordedMotion] | None = None,
     rigid: frozenset[str] = frozenset(),
-    meshes: Mapping[str, MeshBody] | None = None,
+    meshes: dict[str, MeshBody] | None = None,
     announce: Announce = lambda text: None,
 ) -> System:
     """Everything a computation needs, from a description.
 
     recorded : motions for bodies whose frame moves as in another run. rigid : elastic bodies to be taken as
-    rigid. meshes : meshed bodies already built, by name. announce : told what takes long.
+    rigid. meshes : meshed bodies already built, by name; those built here are added. announce : told what takes long.
 
     Raises ModelError for whatever cannot be built, naming the body, joint or force.
     """
-    return _Builder(model, recorded or {}, rigid, meshes or {}, announce).build()
+    return _Builder(model, recorded or {}, rigid, {} if meshes is None else meshes, announce).build()
 
 
 class _Builder:
@@ -65,13 +65,13 @@ class _Builder:
         model: Model,
         recorded: Mapping[str, RecordedMotion],
         rigid: frozenset[str],
-        meshes: Mapping[str, MeshBody],
+        meshes: dict[str, MeshBody],
         announce: Announce,
     ) -> None:
         self._model = model
         self._recorded = recorded
         self._rigid = rigid
-        self._given_meshes = meshes
+        self._meshes = meshes
         self._announce = announce
         self._bodies = BodyList()
         self._liaisons = LiaisonList(self._bodies)
@@ -137,10 +137,10 @@ class _Builder:
                 self._weld_mass(name, key, number, RigidBody(mass.mass, mass.offset, mass.inertia))
 
     def _add_elastic(self, name: str, body: ElasticBody) -> None:
-        mesh = self._given_meshes.get(name)
+        mesh = self._meshes.get(name)
         if mesh is None:
             self._announce(f"assembling {name}")
-            mesh = build_mesh_body(name, body, self._model.folder)
+            mesh = self._meshes[name] = build_mesh_body(name, body, self._model.folder)
         motion = body.motion
         pose = initial_pose(body.pose, motion if isinstance(motion, GivenMotion) else None)
         if name in self._rigid:
