@@ -11,12 +11,32 @@ from .bodies import (
     RitzBody,
     RitzTerms,
 )
+from .curves import Curve, ExpressionCurve, ExpressionSurface, SplineCurve, SplineSurface, Surface
 from .errors import MeshError, ModelError, ModelErrors, SimulationError
-from .expression import constant, expression
+from .expression import constant, expression, formula
 from .forces import Force, PointLoad, SpringDamper, TorsionSpring
-from .functions import TimeFunction
+from .functions import Formula, TimeFunction
 from .geometry import IDENTITY, Matrix, Pose, Vector, Velocity
-from .joints import GROUND, Driver, End, Joint, Liaison
+from .joints import (
+    GROUND,
+    Cam,
+    Coupler,
+    Distance,
+    Driver,
+    End,
+    Joint,
+    JointCoordinate,
+    KnifeEdge,
+    Liaison,
+    Pfaffian,
+    PfaffianFunction,
+    PfaffianRow,
+    Plane,
+    PointOnCurve,
+    PointOnSurface,
+    RollingDisc,
+    RollingSphere,
+)
 from .materials import Damping, Material
 from .meshes import BeamMesh, BoxMesh, FileMesh, MeshSource, Section
 from .model import Model
@@ -33,16 +53,25 @@ __all__ = [
     "BoxMesh",
     "BoxQuadrature",
     "BoxSet",
+    "Cam",
+    "Coupler",
+    "Curve",
     "Damping",
+    "Distance",
     "Driver",
     "ElasticBody",
     "End",
+    "ExpressionCurve",
     "ExpressionShapes",
+    "ExpressionSurface",
     "FileMesh",
     "Force",
+    "Formula",
     "FrameMotion",
     "GivenMotion",
     "Joint",
+    "JointCoordinate",
+    "KnifeEdge",
     "Liaison",
     "LineQuadrature",
     "Material",
@@ -55,23 +84,35 @@ __all__ = [
     "NamedSet",
     "NodeSelection",
     "Outputs",
+    "Pfaffian",
+    "PfaffianFunction",
+    "PfaffianRow",
+    "Plane",
     "PlaneSet",
     "PointLoad",
     "PointMass",
+    "PointOnCurve",
+    "PointOnSurface",
     "Pose",
     "RigidBody",
     "RigidRunMotion",
     "RitzBody",
     "RitzIntegrals",
     "RitzTerms",
+    "RollingDisc",
+    "RollingSphere",
     "Section",
     "Simulation",
     "SimulationError",
+    "SplineCurve",
+    "SplineSurface",
     "SpringDamper",
+    "Surface",
     "TimeFunction",
     "TorsionSpring",
     "Vector",
     "Velocity",
     "constant",
     "expression",
+    "formula",
 ]

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .errors import ModelError, ModelErrors
-from .functions import TimeFunction
+from .functions import Formula, TimeFunction
 from .operations import BINARY, MAX_STACK, ON_ARRAYS, Operation, evaluate
 from .suggest import nearest
 from .units import Dimension, parse_quantity
@@ -95,6 +95,21 @@ def expression(text: str | float, **parameters: str | float) -> TimeFunction:
     Raises ModelError for anything that is not an expression in t, the parameters and the functions of this module.
     """
     return time_function(text, {name: p.value for name, p in resolve_parameters(parameters).items()})
+
+
+def formula(text: str | float, variables: Sequence[str], **parameters: str | float) -> Formula:
+    """A function of named variables from a text (or a number), with values for the parameters it names.
+
+    Example: ``formula("b - ratio*a", ("t", "a", "b"), ratio=3)``. Raises ModelError as `expression` does.
+    """
+    return named_formula(text, variables, {name: p.value for name, p in resolve_parameters(parameters).items()})
+
+
+def named_formula(text: str | float, variables: Sequence[str], parameters: Mapping[str, float]) -> Formula:
+    """As `formula`, with parameters that are numbers already."""
+    given = _direct(text)
+    program = Program((Operation.CONSTANT,), (given,)) if given is not None else None
+    return Formula(str(text), tuple(variables), *(program or compile_program(str(text), parameters, variables)))
 
 
 def constant(text: str | float, parameters: Mapping[str, float] | None = None) -> float:
@@ -210,6 +225,8 @@ class _Compiler:
                 return [self._number(number)]
             case ast.Name(id=name):
                 return [self._name(name)]
+            case ast.Attribute(value=ast.Name(id=name), attr=part) if f"{name}.{part}" in self.places:
+                return [(Operation.VARIABLE, self.places[f"{name}.{part}"])]
             case ast.UnaryOp(op=ast.UAdd()):
                 return self.compile(node.operand, depth + 1)
             case ast.UnaryOp(op=ast.USub()):

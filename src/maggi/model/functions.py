@@ -1,4 +1,4 @@
-"""Functions of time as postfix programs: data, so that a model file cannot run code."""
+"""Functions of time, or of named variables, as postfix programs: data, so that a model file cannot run code."""
 
 from __future__ import annotations
 
@@ -13,5 +13,18 @@ class TimeFunction:
     """
 
     text: str
+    codes: tuple[int, ...]
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A function of named variables; `values` of a VARIABLE operation is its place in `variables`.
+
+    Names may have one dot, such as ``hub.r11`` for an entry of the rotation of the attachment called hub.
+    """
+
+    text: str
+    variables: tuple[str, ...]
     codes: tuple[int, ...]
     values: tuple[float, ...]
