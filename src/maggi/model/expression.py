@@ -151,7 +151,7 @@ def resolve_parameters(definitions: Mapping[str, str | float]) -> dict[str, Para
     broken: set[str] = set()
     for name, given in definitions.items():
         try:
-            check_parameter_name(name)
+            check_variable_name(name)
             quantity = parse_quantity(given) if isinstance(given, str) else None
             if quantity is not None:
                 resolved[name] = Parameter(quantity.value, quantity.dimension)
@@ -216,6 +216,7 @@ class _Compiler:
         self.text = text
         self.parameters = parameters
         self.places = {name: float(place) for place, name in enumerate(variables)}
+        self.dotted = any("." in name for name in variables)
 
     def compile(self, node: ast.expr, depth: int) -> list[Instruction]:
         if depth > MAX_DEPTH:
@@ -225,8 +226,8 @@ class _Compiler:
                 return [self._number(number)]
             case ast.Name(id=name):
                 return [self._name(name)]
-            case ast.Attribute(value=ast.Name(id=name), attr=part) if f"{name}.{part}" in self.places:
-                return [(Operation.VARIABLE, self.places[f"{name}.{part}"])]
+            case ast.Attribute() if self.dotted and (dotted := _dotted(node)) is not None:
+                return [self._name(dotted)]
             case ast.UnaryOp(op=ast.UAdd()):
                 return self.compile(node.operand, depth + 1)
             case ast.UnaryOp(op=ast.USub()):
@@ -321,6 +322,15 @@ class _Compiler:
         raise _refuse(self.text, f"{what} is too large or infinite")
 
 
+def _dotted(node: ast.expr) -> str | None:
+    """``hub.v.x`` as one name; None for an attribute of anything but names."""
+    parts: list[str] = []
+    while isinstance(node, ast.Attribute):
+        parts.append(node.attr)
+        node = node.value
+    return ".".join([node.id, *reversed(parts)]) if isinstance(node, ast.Name) else None
+
+
 def _parse(text: str) -> ast.expr:
     if len(text) > MAX_LENGTH:
         raise _refuse(text[:40] + "…", f"has {len(text)} characters, more than {MAX_LENGTH}")
@@ -357,15 +367,15 @@ def _finite(number: float) -> float:
     return value
 
 
-def check_parameter_name(name: str) -> None:
+def check_variable_name(name: str, what: str = "a parameter") -> None:
     """Raise ModelError for a name that an expression could not use, or that means something else there."""
     if not _NAME.fullmatch(name) or keyword.iskeyword(name) or len(name) > 64:
         raise ModelError(
-            f"'{name[:64]}' cannot name a parameter",
+            f"'{name[:64]}' cannot name {what}",
             remedy="use at most 64 letters, digits and _, beginning with a letter",
         )
     if name in RESERVED:
-        raise ModelError(f"'{name}' has a meaning in expressions and cannot name a parameter", remedy="rename it")
+        raise ModelError(f"'{name}' has a meaning in expressions and cannot name {what}", remedy="rename it")
 
 
 def _at_parameter(error: ModelError, name: str) -> ModelError:

@@ -21,7 +21,7 @@ class TimeFunction:
 class Formula:
     """A function of named variables; `values` of a VARIABLE operation is its place in `variables`.
 
-    Names may have one dot, such as ``hub.r11`` for an entry of the rotation of the attachment called hub.
+    Names may have dots, such as ``hub.r11`` for an entry of the rotation of the attachment called hub.
     """
 
     text: str

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from .curves import Curve, Surface
 from .functions import Formula, TimeFunction
 from .geometry import Vector
+from .joint_kinds import Quantity
 
 Array = NDArray[np.float64]
 GROUND = "ground"
@@ -63,7 +63,7 @@ class JointCoordinate:
     """A coordinate of a joint: its ``angle`` or ``displacement``; None where the joint has only one of the two."""
 
     joint: str
-    quantity: Literal["angle", "displacement"] | None = None
+    quantity: Quantity | None = None
 
 
 @dataclass(frozen=True)
@@ -184,6 +184,7 @@ class KnifeEdge:
 
 
 VELOCITIES = ("v.x", "v.y", "v.z", "w.x", "w.y", "w.z")
+POSE = ("x", "y", "z", "r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33")
 
 
 @dataclass(frozen=True)

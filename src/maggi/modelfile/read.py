@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from ..model.bodies import ElasticBody
 from ..model.errors import ModelError, ModelErrors
-from ..model.expression import Parameter, check_parameter_name, resolve_parameters
+from ..model.expression import Parameter, check_variable_name, resolve_parameters
 from ..model.meshes import FileMesh
 from ..model.model import Model
 from .build import build_model
@@ -102,7 +102,7 @@ def _parameters(data: Any) -> dict[str, Parameter]:
 def _names_badly(error: ModelError) -> bool:
     """Whether a parameter's name, not its value, is what is wrong."""
     try:
-        check_parameter_name(error.path.partition(".")[2])
+        check_variable_name(error.path.partition(".")[2])
     except ModelError:
         return True
     return False
