@@ -33,7 +33,8 @@ def test_joint_carries_a_body_at_rest(name, order):
     inertia_residual(system.bodies, 1, state, system.forces.gravity, weight)
     rows = rows_at(system, state, 0.0)
     multipliers = liaison_forces(project(dense_rows(system, state, 0.0).A), -weight)
-    force, torque = -multipliers @ rows.force[:, 1], -multipliers @ rows.moment[:, 1]
+    wrench = -multipliers @ rows.wrench[1::2]
+    force, torque = wrench[:3], wrench[3:]
     up = np.array([0.0, 0.0, MASS * GRAVITY])
     holding = np.cross(np.array(TURN) @ (CENTER - PIN), up)
     sign = 1.0 if order[0] == "ground" else -1.0

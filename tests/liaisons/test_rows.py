@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from motions import Motion, derivative, hold_together, mesh_body, rigid_body, ritz_body, rows_at
+from motions import Motion, derivative, hold_together, mesh_body, rigid_body, ritz_body, rows_at, second_derivative
 
 from maggi.bodies.tables import MotionState
 from maggi.liaisons.registry import JOINTS, lower_pair
-from maggi.liaisons.tables import DRIVEN, DRIVEN_RATE, ROTATION, ROTATION_SECOND, ROTATION_VECTOR, TRANSLATION
+from maggi.liaisons.tables import COORDINATE_KIND, ROTATION, ROTATION_SECOND, ROTATION_VECTOR, TRANSLATION
 from maggi.model.expression import expression
 from maggi.model.joints import Driver, End, Joint
 from maggi.model.model import Model
@@ -19,11 +19,17 @@ MAKE = {
     "mesh": lambda rng: mesh_body(rng),
 }
 ENDS = [("rigid", "rigid"), ("ground", "rigid"), ("ritz", "rigid"), ("rigid", "mesh")]
+PITCH = 0.7
 FUNCTION = "0.3*sin(2*t) + 0.1*t*t - 0.2*t"
 
 
 def quantities(kind):
-    """What of a joint can be driven: an angle or a displacement where there is one, a speed where one coordinate is."""
+    """What of a joint can be driven: an angle or a displacement where there is one, a speed where one coordinate is.
+
+    One of a screw's two is enough.
+    """
+    if kind.screw:
+        return ["angle"]
     angles = sum(what in (ROTATION, ROTATION_SECOND) for what, _ in kind.coordinates)
     shifts = sum(what == TRANSLATION for what, _ in kind.coordinates)
     return ["angle"] * (angles == 1) + ["displacement"] * (shifts == 1) + ["speed"] * (angles + shifts == 1)
@@ -35,7 +41,8 @@ def pair(name, ends, seed, drivers=True):
     bodies = {f"{end}{i}": MAKE[end](rng) for i, end in enumerate(ends) if end != "ground"}
     first, second = (End("ground") if end == "ground" else End(f"{end}{i}", "p") for i, end in enumerate(ends))
     axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    joint = Joint(name, first, second, axis=tuple(axes[0]), axes=(tuple(axes[1]), tuple(axes[2])))
+    pair = None if name == "constant-velocity" else (tuple(axes[1]), tuple(axes[2]))
+    joint = Joint(name, first, second, axis=tuple(axes[0]), axes=pair, pitch=PITCH)
     joints = {"joint": joint}
     if drivers:
         joints |= {what: Driver("joint", what, expression(FUNCTION)) for what in quantities(JOINTS[name])}
@@ -46,6 +53,8 @@ def on_the_joint(system, name, ends, seed, scale=0.4):
     """A motion that satisfies the joint, with coordinates that are cubic in time."""
     kind = JOINTS[name]
     rates = scale * np.random.default_rng(seed + 100).normal(size=(4, len(kind.coordinates)))
+    if kind.screw:
+        rates[:, 0] = PITCH / (2.0 * np.pi) * rates[:, 1]
 
     def coordinates(t):
         return t ** np.arange(4) @ rates
@@ -64,17 +73,16 @@ EVERY = pytest.mark.parametrize(
 
 @EVERY
 def test_rows_of_a_joint_hold_for_any_motion(name, ends):
-    """A v + b = Φ̇ and A v̇ + γ = Φ̈, also where the joint is open."""
+    """A v + b = Φ̇ and A v̇ + γ = Φ̈, also where the joint is open; a thread turns about an axis that both ends share."""
     system = pair(name, ends, seed=2, drivers=False)
     motion = Motion(system, 3)
     rows = rows_at(system, motion.state(), 0.0)
-    assert np.abs(rows.position).max() > 0.1
-    np.testing.assert_allclose(
-        rows.velocity, derivative(lambda t: rows_at(system, motion.at_rest(t), t).position), atol=1e-10
-    )
-    np.testing.assert_allclose(
-        rows.acceleration, derivative(lambda t: rows_at(system, motion.state(t), t).velocity), atol=1e-9
-    )
+    assert np.abs(rows.position).max(initial=1.0) > 0.1
+    own = [i for i in range(system.rows) if "thread" not in system.row_label(i)]
+    rate = derivative(lambda t: rows_at(system, motion.at_rest(t), t).position)
+    np.testing.assert_allclose(rows.velocity[own], rate[own], atol=1e-10)
+    rate = derivative(lambda t: rows_at(system, motion.state(t), t).velocity)
+    np.testing.assert_allclose(rows.acceleration[own], rate[own], atol=1e-9)
 
 
 @EVERY
@@ -84,14 +92,15 @@ def test_rows_and_coordinates_on_the_joint(name, ends):
     motion, coordinates = on_the_joint(system, name, ends, seed=5)
     instant = 0.05
     state = motion.state(instant)
-    rows, kinds = rows_at(system, state, instant), system.liaisons.row_kind
-    own = (kinds != DRIVEN) & (kinds != DRIVEN_RATE)
-    assert np.abs(rows.position[own]).max() < 1e-13
-    assert np.abs(rows.velocity[own]).max() < 1e-10
-    assert np.abs(rows.acceleration[own]).max() < 1e-9
-    np.testing.assert_allclose(rows.coordinate, coordinates(instant), atol=1e-13)
-    simple = system.liaisons.coordinate_kind != ROTATION_VECTOR
-    np.testing.assert_allclose(rows.rate[simple], derivative(coordinates, instant)[simple], atol=1e-10)
+    rows, own = rows_at(system, state, instant), ~system.driven
+    assert np.abs(rows.position[own]).max(initial=0.0) < 1e-13
+    assert np.abs(rows.velocity[own]).max(initial=0.0) < 1e-10
+    assert np.abs(rows.acceleration[own]).max(initial=0.0) < 1e-9
+    np.testing.assert_allclose(rows.coordinate[:, 0], coordinates(instant), atol=1e-13)
+    simple = system.liaisons.coordinate[:, COORDINATE_KIND] != ROTATION_VECTOR
+    np.testing.assert_allclose(rows.coordinate[simple, 1], derivative(coordinates, instant)[simple], atol=1e-10)
+    bend = second_derivative(coordinates, instant)
+    np.testing.assert_allclose(rows.coordinate[simple, 2], bend[simple], atol=1e-8)
 
 
 DRIVABLE = pytest.mark.parametrize(
@@ -106,18 +115,18 @@ def test_rows_of_drivers(name, ends):
     """φ = coordinate − f(t) and its rates; a driven speed has no position and φ̇ = rate − f(t)."""
     system = pair(name, ends, seed=6)
     motion, coordinates = on_the_joint(system, name, ends, seed=7)
-    table, instant = system.liaisons, 0.07
+    instant = 0.07
     f = 0.3 * np.sin(2 * instant) + 0.1 * instant**2 - 0.2 * instant
     fd = 0.6 * np.cos(2 * instant) + 0.2 * instant - 0.2
     rows = rows_at(system, motion.state(instant), instant)
     rate = derivative(lambda t: rows_at(system, motion.state(t), t).velocity, instant)
-    driven = np.flatnonzero((table.row_kind == DRIVEN) | (table.row_kind == DRIVEN_RATE))
+    driven = np.flatnonzero(system.driven)
     assert len(driven) == len(quantities(JOINTS[name]))
     for i in driven:
-        c = table.row_first[i]
+        c = system.owner(i).coordinates[0]
         x, xd = coordinates(instant)[c], derivative(coordinates, instant)[c]
-        holonomic = table.row_kind[i] == DRIVEN
-        assert table.holonomic[i] == holonomic
+        holonomic = system.row_label(i) == "driven coordinate"
+        assert system.holonomic[i] == holonomic
         assert rows.position[i] == pytest.approx(x - f if holonomic else 0.0, abs=1e-12)
         assert rows.velocity[i] == pytest.approx(xd - (fd if holonomic else f), abs=1e-10)
         assert rows.acceleration[i] == pytest.approx(rate[i], abs=1e-9)
@@ -149,9 +158,10 @@ def test_what_a_joint_leaves_free_are_its_coordinates(name):
     state = motion.state()
     A = dense_rows(system, state, 0.0).A
     singular = np.linalg.svd(A, compute_uv=False)
-    freedoms = len(JOINTS[name].coordinates)
+    # a screw's two coordinates move together; a constant-velocity joint bends two ways that it does not measure
+    freedoms = {"screw": 1, "constant-velocity": 2}.get(name, len(JOINTS[name].coordinates))
     assert len(singular) == 6 - freedoms
-    assert singular[-1] > 1e-2 * singular[0]
+    assert freedoms == 6 or singular[-1] > 1e-2 * singular[0]
     assert np.linalg.matrix_rank(A) == 12 - (6 + freedoms)
 
 
@@ -162,12 +172,13 @@ def test_coordinates_count_turns(name, sense):
     system = pair(name, ("rigid", "rigid"), seed=13, drivers=False)
     kind = JOINTS[name]
     motion = Motion(system, 14)
-    hold_together(motion, 0, kind, lambda t: np.full(len(kind.coordinates), sense * (3.0 * t + 0.5 * t * t)), 1)
+    share = np.array([PITCH / (2.0 * np.pi), 1.0]) if kind.screw else np.ones(len(kind.coordinates))
+    hold_together(motion, 0, kind, lambda t: share * sense * (3.0 * t + 0.5 * t * t), 1)
     previous = np.zeros(len(kind.coordinates))
     for t in np.linspace(0.0, 4.0, 12)[1:]:
-        previous = rows_at(system, motion.at_rest(t), t, previous).coordinate
-        np.testing.assert_allclose(previous, sense * (3.0 * t + 0.5 * t * t), rtol=1e-12)
-    assert abs(previous[0]) > 6.0 * np.pi
+        previous = rows_at(system, motion.at_rest(t), t, previous).coordinate[:, 0]
+        np.testing.assert_allclose(previous, share * sense * (3.0 * t + 0.5 * t * t), rtol=1e-12)
+    assert abs(previous[-1]) > 6.0 * np.pi
 
 
 def test_a_lower_pair_turns_about_one_axis_or_about_all():

@@ -57,5 +57,6 @@ def random_mechanism(seed, count, loops, kinds):
             at=tuple(rng.normal(size=3)),
             axis=tuple(axis),
             axes=(tuple(axis), tuple(across)),
+            pitch=0.3,
         )
     return Model(bodies, joints)

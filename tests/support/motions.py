@@ -198,8 +198,8 @@ def relative_motion(kind, values):
 def hold_together(motion: Motion, joint: int, kind, coordinates: Callable, moved: int) -> None:
     """Let the rigid body at end `moved` (0 or 1) of a joint move so that the joint's coordinates are as given."""
     table, bodies = motion.system.liaisons, motion.system.bodies
-    ends = (int(table.first[joint]), int(table.second[joint]))
-    frames = (table.first_frame[joint], table.second_frame[joint])
+    ends = (int(table.joint[joint, 0]), int(table.joint[joint, 1]))
+    frames = (table.frame[joint, 0], table.frame[joint, 1])
     body = int(bodies.attachment_body[ends[moved]])
 
     def pose(t):

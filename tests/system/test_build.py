@@ -9,6 +9,7 @@ from motions import Motion, attachments_at, mesh_body, rigid_body, ritz_body, ro
 
 from maggi.bodies.tables import FIXED, MESH, RIGID, RITZ
 from maggi.liaisons.registry import JOINTS
+from maggi.liaisons.tables import ROW_OWNER
 from maggi.model.attachments import Attachment, PointMass
 from maggi.model.bodies import GivenMotion, RigidBody
 from maggi.model.expression import expression
@@ -51,8 +52,8 @@ def test_order_of_rows(seed, count, loops):
     table, bodies = system.liaisons, system.bodies
     assert sorted(i for entry in system.liaison_entries for i in entry.rows) == list(range(system.rows))
     for owner, entry in enumerate(system.liaison_entries):
-        np.testing.assert_array_equal(table.row_owner[entry.rows], owner)
-        assert len(entry.rows) == len(JOINTS[entry.kind].rows)
+        np.testing.assert_array_equal(table.row[entry.rows, ROW_OWNER], owner)
+        assert len(entry.rows) == len(JOINTS[entry.kind].rows) + JOINTS[entry.kind].screw
     rows = dense_rows(system, system.start, 0.0)
     assert np.abs(rows.position).max(initial=0.0) < 1e-13  # joints are closed in the initial pose
     coupled = np.abs(rows.A) @ np.abs(rows.A).T > 0.0
@@ -63,7 +64,7 @@ def test_order_of_rows(seed, count, loops):
     touched = {
         (b, int(i))
         for b in range(1, bodies.kind.size)
-        for i in table.incidence_row[table.incidence_start[b] : table.incidence_start[b + 1]]
+        for i in table.incidence[table.incidence_start[b] : table.incidence_start[b + 1], 0]
     }
     for b in range(1, bodies.kind.size):
         columns = rows.A[:, bodies.offset[b] : bodies.offset[b + 1]]
@@ -91,8 +92,8 @@ def test_frames_of_joints_are_those_of_the_model():
         "ball": Joint("spherical", End("a"), End("b"), at=(0.0, 0.0, 0.0)),
     }
     table = build_system(Model(bodies, joints)).liaisons
-    first = np.array(LEANING) @ table.first_frame
-    np.testing.assert_allclose(first, table.second_frame, atol=1e-15)
+    first = np.array(LEANING) @ table.frame[:, 0]
+    np.testing.assert_allclose(first, table.frame[:, 1], atol=1e-15)
     np.testing.assert_allclose(first[0][:, 2], [0.0, 0.6, 0.8], atol=1e-15)
     np.testing.assert_allclose(first[1][:, :2].T, [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-15)
     np.testing.assert_allclose(first[2], np.eye(3), atol=1e-15)
@@ -114,8 +115,12 @@ def test_places_of_joints():
     }
     system = build_system(Model(bodies, joints))
     table, point = system.liaisons, system.bodies.attachment_point
-    np.testing.assert_allclose(point[table.first], [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0]], atol=1e-15)
-    np.testing.assert_allclose(point[table.second], [[1.0, -4.0, 0.0], [1.0, -3.0, 0.0], [1.0, 1.0, 0.0]], atol=1e-15)
+    np.testing.assert_allclose(
+        point[table.joint[:, 0]], [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0]], atol=1e-15
+    )
+    np.testing.assert_allclose(
+        point[table.joint[:, 1]], [[1.0, -4.0, 0.0], [1.0, -3.0, 0.0], [1.0, 1.0, 0.0]], atol=1e-15
+    )
 
 
 @pytest.mark.parametrize("make", [rigid_body, ritz_body], ids=["rigid", "ritz"])

@@ -157,7 +157,7 @@ MISTAKES = {
     ),
     "elastic body joined at no attachment": (
         lambda: joint("spherical", "ground", "plate", at=PLACE),
-        ("joints.j.between", "elastic body 'plate' is joined without", "write `plate.<attachment>`"),
+        ("joints.j.between", "elastic body 'plate' is held without", "write `plate.<attachment>`"),
     ),
     "driver of nothing": (
         lambda: driven("revolute", "angle", of="hinge"),
@@ -185,7 +185,7 @@ MISTAKES = {
     ),
     "load on an elastic body at no attachment": (
         lambda: force(PointLoad(END["plate"], "force", ZERO)),
-        ("forces.f.on", "elastic body 'plate' needs an attachment", "write `plate.<attachment>`"),
+        ("forces.f.on", "elastic body 'plate' is held without", "write `plate.<attachment>`"),
     ),
     "load on an unknown attachment": (
         lambda: force(PointLoad(End("arm", "tip"), "force", ZERO)),

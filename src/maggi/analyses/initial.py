@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MotionState
-from maggi.liaisons.tables import DRIVEN, DRIVEN_RATE
+from maggi.liaisons.tables import ROW_ANGULAR, ROW_OWNER
 from maggi.model.bodies import RitzBody
 from maggi.model.errors import ModelError
 from maggi.projection.maggi import closest_velocities, project, restore
@@ -38,21 +38,22 @@ def initial_motion(system: System, notes: list[str]) -> MotionState:
 
 def refuse_overdriven(system: System, motion: MotionState) -> None:
     """Raise ModelError where drivers prescribe more than the joints leave free."""
-    kind = system.liaisons.row_kind
-    driven = np.flatnonzero((kind == DRIVEN) | (kind == DRIVEN_RATE))
-    driven = driven[np.argsort(system.liaisons.row_owner[driven])]  # the model's order: the later driver is too many
+    driven = np.flatnonzero(system.driven)
+    driven = driven[
+        np.argsort(system.liaisons.row[driven, ROW_OWNER])
+    ]  # the model's order: the later driver is too many
     if driven.size == 0:
         return
     A = dense_rows(system, motion, 0.0).A
     scale = velocity_scale(system)
-    passive = np.flatnonzero((kind != DRIVEN) & (kind != DRIVEN_RATE))
+    passive = np.flatnonzero(~system.driven)
     rank = project(A[passive], scale).rank
     kept: list[int] = []
     for row in driven:
         more = project(A[np.concatenate([passive, kept, [row]]).astype(np.int64)], scale).rank
         if more == rank:
-            name = system.liaison_entries[system.liaisons.row_owner[row]].name
-            others = [system.liaison_entries[system.liaisons.row_owner[k]].name for k in kept]
+            name = system.owner(int(row)).name
+            others = [system.owner(k).name for k in kept]
             also = f" together with {', '.join(others)}" if others else ""
             raise ModelError(
                 f"driver {name!r} is one too many: the joints{also} leave its coordinate no freedom",
@@ -81,12 +82,11 @@ def _ritz_coordinates(system: System, motion: MotionState) -> None:
 
 
 def _close_gaps(system: System, motion: MotionState, notes: list[str]) -> None:
-    table = system.liaisons
     rows = dense_rows(system, motion, 0.0)
-    holonomic = table.holonomic == 1
+    holonomic = system.holonomic
     Phi = np.where(holonomic, rows.position, 0.0)
-    for driven in np.flatnonzero((table.row_kind == DRIVEN) & (np.abs(Phi) > ROUND_OFF * system.size)):
-        name = system.liaison_entries[table.row_owner[driven]].name
+    for driven in np.flatnonzero(system.driven & (np.abs(Phi) > ROUND_OFF * system.size)):
+        name = system.owner(int(driven)).name
         raise ModelError(
             f"the driver starts at {-Phi[driven]:.6g} instead of 0",
             path=f"joints.{name}",
@@ -96,12 +96,12 @@ def _close_gaps(system: System, motion: MotionState, notes: list[str]) -> None:
     if worst <= ROUND_OFF * system.size:
         return
     row = int(np.argmax(np.abs(Phi)))
-    owner = system.liaison_entries[table.row_owner[row]]
+    owner = system.owner(row)
     if worst > SMALL * system.size:
-        unit = "m" if system.row_name(row).split(": ")[1].startswith("offset") else ""
+        unit = "rad" if system.liaisons.row[row, ROW_ANGULAR] else "m"
         raise ModelError(
             f"the ends of joint {owner.name!r} ({owner.first}, {owner.second}) do not meet: "
-            f"{system.row_name(row).split(': ')[1]} is off by {abs(Phi[row]):.3g} {unit}".rstrip(),
+            f"{system.row_label(row)} is off by {abs(Phi[row]):.3g} {unit}",
             path=f"joints.{owner.name}",
             remedy="correct the poses or the attachments; `maggi check` prints where they are",
         )
@@ -157,7 +157,7 @@ def set_velocities(system: System, motion: MotionState, notes: list[str]) -> Non
         gap = alone.inconsistency(b)
         if np.abs(gap).max(initial=0.0) > SMALL * speed:
             row = int(np.argmax(np.abs(gap)))
-            owner = system.liaison_entries[system.liaisons.row_owner[row]].name
+            owner = system.owner(int(row)).name
             raise ModelError(
                 f"no velocity satisfies all joints and drivers: {system.row_name(row)} is off by {abs(gap[row]):.3g}",
                 path=f"joints.{owner}",

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lstsq
 
 from maggi.bodies.tables import FIXED, MotionState
-from maggi.liaisons.tables import DRIVEN, DRIVEN_RATE
+from maggi.liaisons.tables import ROW_OWNER
 from maggi.projection.maggi import project
 from maggi.system.dense import dense_rows, floating_velocities, velocity_scale
 from maggi.system.system import System
@@ -74,7 +74,6 @@ def mobility(system: System, motion: MotionState) -> Mobility:
     of_frames = A[:, frames]
     acting = np.flatnonzero(np.abs(of_frames).max(axis=1, initial=0.0) > 0.0)
     full, rigid = project(A[:, unknown], scale[unknown]), project(of_frames[acting], scale[frames])
-    kinds = system.liaisons.row_kind
     velocities = len(unknown) + sum(
         body.size - 6 * int(system.bodies.floating[b]) - _width(system, b) for b, body in system.mesh_bodies.items()
     )
@@ -82,7 +81,7 @@ def mobility(system: System, motion: MotionState) -> Mobility:
     return Mobility(
         velocities,
         system.rows,
-        int(np.sum((kinds == DRIVEN) | (kinds == DRIVEN_RATE))),
+        int(system.driven.sum()),
         full.rank,
         velocities - full.rank,
         _named(system, A[:, unknown] / scale[unknown], full.rows, full.redundant),
@@ -126,7 +125,7 @@ def _singular_values(A: Array, rank: int) -> tuple[float, float]:
 def _named(system: System, A: Array, rows: IntArray, redundant: IntArray) -> tuple[Redundant, ...]:
     """Redundant rows with the liaisons whose rows add up to them: the solution x of ``A[rows]ᵀ x = A[row]``."""
     A = _normalised(A)
-    owner, entries = system.liaisons.row_owner, system.liaison_entries
+    owner, entries = system.liaisons.row[:, ROW_OWNER], system.liaison_entries
     found = []
     for row in redundant:
         share = lstsq(A[rows].T, A[row])[0] if len(rows) else np.empty(0)

@@ -97,7 +97,7 @@ class QuasiStatic:
         bodies, n, r = system.bodies, system.coordinates, system.rows
         motion.vd[moving] = self._twist_rates[moving]
         rows = dense_rows(system, motion, t)
-        holonomic = system.liaisons.holonomic == 1
+        holonomic = system.holonomic
         residual, free = self._inertia(motion, fields)
         applied = rows.A.T @ self._multipliers - loads
         # elastic coordinates that the present inertia alone gives, e₀, and per unit multipliers

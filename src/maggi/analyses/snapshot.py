@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from maggi.bodies.kernels import small_body_energy
 from maggi.bodies.tables import MESH, RITZ
-from maggi.liaisons.tables import TRANSLATION
+from maggi.liaisons.tables import COORDINATE_KIND, CURVE_FACE, CURVE_POINT, END_ATTACHMENT, TRANSLATION
 from maggi.stepping.mesh_step import MeshStep
 from maggi.stepping.stepper import Stepper
 from maggi.system.system import LiaisonEntry, System
@@ -45,11 +45,16 @@ def layout(system: System, rows: int, attributes: dict[str, str | float | int]) 
             entry.kind,
             entry.first,
             entry.second,
-            tuple("m" if kind == TRANSLATION else "rad" for kind in system.liaisons.coordinate_kind[entry.coordinates]),
+            tuple(coordinate_unit(int(system.liaisons.coordinate[c, COORDINATE_KIND])) for c in entry.coordinates),
         )
         for entry in visible_liaisons(system)
     )
     return Layout(tuple(bodies), joints, rows, attributes)
+
+
+def coordinate_unit(kind: int) -> str:
+    """Unit of a joint coordinate; that of a curve's parameter is the curve's own affair."""
+    return "m" if kind == TRANSLATION else "1" if kind in (CURVE_POINT, CURVE_FACE) else "rad"
 
 
 def visible_liaisons(system: System) -> list[LiaisonEntry]:
@@ -68,7 +73,7 @@ class Snapshots:
         self._attachments = np.array([index for part in order for index in part], dtype=np.int64)
         self._indices = np.array([entry.index for entry in self._bodies], dtype=np.int64)
         self._liaisons = visible_liaisons(system)
-        self._seconds = system.liaisons.second[[entry.joint for entry in self._liaisons]]
+        self._seconds = np.array([entry.reference for entry in self._liaisons], dtype=np.int64)
         self._meshes: dict[int, MeshStep] = {mesh.index: mesh for mesh in stepper.meshes}
 
     def row(self, t: float) -> Row:
@@ -102,7 +107,7 @@ class Snapshots:
             at.position[self._seconds],
             force,
             torque,
-            tuple(state.rows.coordinate[entry.coordinates] for entry in self._liaisons),
+            tuple(state.rows.coordinate[entry.coordinates, 0] for entry in self._liaisons),
             self.energies(),
             stepper.residuals(),
             stepper.last_iterations,
@@ -135,12 +140,15 @@ class Snapshots:
 
     def _joint_forces(self) -> tuple[Array, Array]:
         """Force and torque of first on second at the joint's point on second, global (T11): minus the row's share in Aᵀλ."""
-        state = self._stepper.state
+        state, table = self._stepper.state, self._stepper.system.liaisons
         force, torque = np.zeros((len(self._liaisons), 3)), np.zeros((len(self._liaisons), 3))
         for j, entry in enumerate(self._liaisons):
-            multipliers = state.vectors.multipliers[entry.rows]
-            force[j] = -multipliers @ state.rows.force[entry.rows, 1]
-            torque[j] = -multipliers @ state.rows.moment[entry.rows, 1]
+            for row in entry.rows:
+                ends = slice(table.end_start[row], table.end_start[row + 1])
+                on_second = table.end[ends, END_ATTACHMENT] == entry.reference
+                wrench = state.rows.wrench[ends][on_second].sum(axis=0)
+                force[j] -= state.vectors.multipliers[row] * wrench[:3]
+                torque[j] -= state.vectors.multipliers[row] * wrench[3:]
         return force, torque
 
 

@@ -9,7 +9,7 @@ from numba import njit
 
 from maggi.bodies.kernels import generalised_force
 from maggi.bodies.tables import Array, AttachmentState, BodyTable, MotionState
-from maggi.liaisons.tables import LiaisonState, LiaisonTable
+from maggi.liaisons.tables import COORDINATE_JOINT, LiaisonState, LiaisonTable
 from maggi.linalg.jets import evaluate
 
 from .tables import ForceTable
@@ -76,25 +76,19 @@ def applied_forces(
             _apply(bodies, state, attachments, q, f, m, Q)
         power[0] += 0.5 * table.spring_data[s, 0] * (length - table.spring_data[s, 2]) ** 2
         power[1] += table.spring_data[s, 1] * rate * rate
-    f[:] = 0.0
     for s in range(table.torsion_coordinate.shape[0]):
         c = table.torsion_coordinate[s]
-        j = liaisons.coordinate_joint[c]
-        p, q = liaisons.first[j], liaisons.second[j]
-        k = liaisons.coordinate_axis[c]
-        angle = rows.coordinate[c] - table.torsion_data[s, 2]
-        torque = table.torsion_data[s, 0] * angle + table.torsion_data[s, 1] * rows.rate[c]
-        for i in range(3):
-            x = 0.0
-            for l in range(3):
-                x += attachments.rotation[p, i, l] * liaisons.first_frame[j, l, k]
-            m[i] = torque * x
-        _apply(bodies, state, attachments, p, f, m, Q)
-        for i in range(3):
-            m[i] = -m[i]
-        _apply(bodies, state, attachments, q, f, m, Q)
+        j = liaisons.coordinate[c, COORDINATE_JOINT]
+        angle = rows.coordinate[c, 0] - table.torsion_data[s, 2]
+        rate = rows.coordinate[c, 1]
+        torque = table.torsion_data[s, 0] * angle + table.torsion_data[s, 1] * rate
+        for side in range(2):
+            for i in range(3):
+                f[i] = -torque * rows.coordinate_wrench[c, side, i]
+                m[i] = -torque * rows.coordinate_wrench[c, side, 3 + i]
+            _apply(bodies, state, attachments, liaisons.joint[j, side], f, m, Q)
         power[0] += 0.5 * table.torsion_data[s, 0] * angle * angle
-        power[1] += table.torsion_data[s, 1] * rows.rate[c] ** 2
+        power[1] += table.torsion_data[s, 1] * rate * rate
     for s in range(table.load_attachment.shape[0]):
         a = table.load_attachment[s]
         value = np.zeros(3)

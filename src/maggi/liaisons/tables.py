@@ -10,62 +10,83 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Kinds of rows. Position of the second end along axis k of the first; scalar product of axis k of the first
-# with axis l of the second; a coordinate as a function of time; a coordinate's rate as a function of time.
-OFFSET, PRODUCT, DRIVEN, DRIVEN_RATE = 0, 1, 2, 3
+# Columns of LiaisonTable.joint, .coordinate and .end.
+FIRST, SECOND = 0, 1
+COORDINATE_JOINT, COORDINATE_KIND, COORDINATE_AXIS = 0, 1, 2
+END_ATTACHMENT, END_SEGMENT = 0, 1
 
 # Kinds of coordinates: translation along an axis of the first end; rotation about an axis of the first, or of
-# the second end (universal joint); a component of the rotation vector (spherical joint).
-TRANSLATION, ROTATION, ROTATION_SECOND, ROTATION_VECTOR = 0, 1, 2, 3
+# the second end (universal joint); a component of the rotation vector (spherical joint); the parameter of the curve's
+# point nearest to the second end, or where the second end's face touches the curve (the axis column is the curve).
+TRANSLATION, ROTATION, ROTATION_SECOND, ROTATION_VECTOR, CURVE_POINT, CURVE_FACE = 0, 1, 2, 3, 4, 5
+
+# Columns of LiaisonTable.row.
+ROW_KIND, ROW_JOINT, ROW_FIRST, ROW_SECOND, ROW_OWNER, ROW_HOLONOMIC, ROW_ANGULAR = 0, 1, 2, 3, 4, 5, 6
+
+# Kinds of rows, and what ROW_FIRST and ROW_SECOND are.
+OFFSET = 0  # axis k of the first: position of the second end along it
+PRODUCT = 1  # axes k, l: scalar product of axis k of the first with axis l of the second
+TWIST = 2  # axes k, l: (k of first)·(l of second) − (l of first)·(k of second), constant-velocity joint
+RELATION = 3  # start in `integers`, number of coordinates: a function of joint coordinates and time
+RATE_RELATION = 4  # the same of the coordinates' rates, linear in them
+DISTANCE = 5  # function: distance of the ends as a function of time
+ROLL = 6  # axis k of the first (z: height), start in `data`: radius, side; of a disc about the second's z axis
+ROLL_SPHERE = 7  # the same of a sphere
+BLADE = 8  # axis k of the second: sideways velocity of a knife edge
+CURVE = 9  # 0 or 1: which normal; coordinate: point on a curve
+CAM = 10  # start in `data`: signed radius; coordinate: roller or point on a cam
+CAM_FACE = 11  # unused; coordinate: flat face (normal: z axis of the second) on a cam
+SURFACE = 12  # function F, or minus one minus the start of a spline in `data`: point on a surface
+PFAFFIAN = 13  # start in `integers`: sum of functions of time, positions and rotations times velocities
+CALLBACK = 14  # start in `integers`, number of the row among those of the function
+
+# Columns of LiaisonTable.curve.
+CURVE_FUNCTION, CURVE_DATA, CURVE_PIECES, CURVE_CLOSED = 0, 1, 2, 3
 
 
 class LiaisonTable(NamedTuple):
-    """Constants of all joints and rows. j joints, c coordinates, r rows, a attachments.
+    """Constants of all joints and rows. j joints, c coordinates, r rows, e ends of rows.
 
-    first, second (j,): attachments; first_frame, second_frame (j, 3, 3): the joint's axes as columns, in the
-    attachments' axes; they coincide in the initial pose.
-    coordinate_joint, coordinate_kind, coordinate_axis (c,).
-    row_kind (r,); row_joint (r,): the joint it acts between; row_first, row_second (r,): axes k and l, or for
-    driven rows row_first is the coordinate and row_second the function; row_owner (r,): the liaison that it
-    belongs to (a driver's row acts between its joint's ends but is the driver's).
-    holonomic (r,): 1 where the row has a position residual.
-    segment (r, 2): where the coefficients on the two bodies' small coordinates start in the flat array A.
-    incidence_start (b + 1,), incidence_row, incidence_segment: the rows that touch each body.
+    joint (j, 2): attachments of first and second; frame (j, 2, 3, 3): the joint's axes as columns, in the
+        attachments' axes, on first and on second.
+    coordinate (c, 3): joint, kind, axis (or curve).
+    row (r, 7): kind, joint, two integers by kind, owner (the liaison that it belongs to: a driver's row acts between
+        its joint's ends but is the driver's), holonomic (1: it has a position residual), angular (1: residuals in rad).
+    end_start (r + 1,), end (e, 2): the attachments that a row acts on, and where the coefficients on each one's body
+        start in the flat array A.
+    incidence_start (b + 1,), incidence (x, 2): row and start in A of every end on each body.
     skyline_first (r,): first row coupled with row i (an envelope); skyline_start (r + 1,).
-    function_start (f + 1,), function_codes, function_values: the functions of time, postfix.
+    function_start (f + 1,), function_codes, function_values: functions of time and other variables, postfix.
+    curve (k, 4): first of three functions (or −1), start in `data`, number of spline pieces, closed.
+    integers, data: what rows and curves need beyond that; see `liaisons` where they are read.
     """
 
-    first: IntArray
-    second: IntArray
-    first_frame: Array
-    second_frame: Array
-    coordinate_joint: IntArray
-    coordinate_kind: IntArray
-    coordinate_axis: IntArray
-    row_kind: IntArray
-    row_joint: IntArray
-    row_first: IntArray
-    row_second: IntArray
-    row_owner: IntArray
-    holonomic: IntArray
-    segment: IntArray
+    joint: IntArray
+    frame: Array
+    coordinate: IntArray
+    row: IntArray
+    end_start: IntArray
+    end: IntArray
     incidence_start: IntArray
-    incidence_row: IntArray
-    incidence_segment: IntArray
+    incidence: IntArray
     skyline_first: IntArray
     skyline_start: IntArray
     function_start: IntArray
     function_codes: IntArray
     function_values: Array
+    curve: IntArray
+    integers: IntArray
+    data: Array
 
 
 class LiaisonState(NamedTuple):
     """Values of all rows at one state.
 
     A (flat): coefficients on the bodies' small coordinates (Eq. T7). position, velocity, acceleration (r,):
-    Φ, A v + b, A v̇ + γ. rhs (r,): b, for the power of driven rows. force, moment (r, 2, 3): the row's
-    coefficients on the twists of its two ends, global components.
-    coordinate (c,): unwrapped joint coordinates; rate (c,); previous (c,): the value that unwrapping starts from.
+    Φ, A v + b, A v̇ + γ. rhs (r,): b, for the power of driven rows. wrench (e, 6): the row's coefficients on the
+    velocity and angular velocity of each of its ends, global components.
+    coordinate (c, 3): joint coordinates, unwrapped, with rate and acceleration. coordinate_wrench (c, 2, 6): the rate's
+    coefficients on the twists of first and second. previous (c,): the value that unwrapping starts from.
     """
 
     A: Array
@@ -73,8 +94,7 @@ class LiaisonState(NamedTuple):
     velocity: Array
     acceleration: Array
     rhs: Array
-    force: Array
-    moment: Array
+    wrench: Array
     coordinate: Array
-    rate: Array
+    coordinate_wrench: Array
     previous: Array

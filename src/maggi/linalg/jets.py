@@ -1,4 +1,4 @@
-"""Functions of time with their first two derivatives, by forward second-order jets.
+"""Functions of time, or of variables that move in time, with their first two derivatives, by forward second-order jets.
 
 A jet is ``(f, ḟ, f̈)``. Every operation of a postfix program (`model.operations`) acts on jets by the chain rule
 ``(h∘u)˙ = h′u̇``, ``(h∘u)¨ = h″u̇² + h′ü``, so that the derivatives are exact to round-off and a driver's
@@ -146,6 +146,19 @@ def evaluate(codes: NDArray[np.int64], values: Array, t: float, out: Array) -> b
     codes (n,) integers and values (n,) floats as in `TimeFunction` (see `program`); out (3,) or longer. Units:
     those of the function, per second, per second squared. Allocates nothing.
     """
+    time = carray(_machine_stack(), (1, 3))
+    time[0, 0] = t
+    time[0, 1] = 1.0
+    time[0, 2] = 0.0
+    return evaluate_jet(codes, values, time, out)
+
+
+@njit(cache=True, error_model="numpy")
+def evaluate_jet(codes: NDArray[np.int64], values: Array, variables: Array, out: Array) -> bool:
+    """As `evaluate`, for a function of several variables: `variables` (k, 3) are their jets along the motion.
+
+    With the jet ``(x, w, 0)`` of a point the result is the value, the derivative along w, and the second one along w.
+    """
     stack = carray(_machine_stack(), (MAX_STACK, 3))
     top = -1
     for i in range(codes.size):
@@ -158,9 +171,10 @@ def evaluate(codes: NDArray[np.int64], values: Array, t: float, out: Array) -> b
             continue
         if code == _VARIABLE:
             top += 1
-            stack[top, 0] = t
-            stack[top, 1] = 1.0
-            stack[top, 2] = 0.0
+            place = int(values[i])
+            stack[top, 0] = variables[place, 0]
+            stack[top, 1] = variables[place, 1]
+            stack[top, 2] = variables[place, 2]
             continue
         if code == _NEGATE:
             stack[top, 0] = -stack[top, 0]

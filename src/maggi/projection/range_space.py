@@ -28,18 +28,18 @@ def assemble_compliance(rows: LiaisonTable, bodies: BodyTable, A: Array, W: Arra
         block = W[bodies.block[b] : bodies.block[b + 1]].reshape(n, n)
         product = np.empty(n)
         for x in range(start, end):
-            i = rows.incidence_row[x]
-            o = rows.incidence_segment[x]
+            i = rows.incidence[x, 0]
+            o = rows.incidence[x, 1]
             for k in range(n):
                 value = 0.0
                 for l in range(n):
                     value += block[k, l] * A[o + l]
                 product[k] = value
             for y in range(start, end):
-                j = rows.incidence_row[y]
+                j = rows.incidence[y, 0]
                 if j > i:
                     continue
-                p = rows.incidence_segment[y]
+                p = rows.incidence[y, 1]
                 value = 0.0
                 for k in range(n):
                     value += product[k] * A[p + k]
@@ -109,8 +109,8 @@ def transpose_product(rows: LiaisonTable, bodies: BodyTable, A: Array, x: Array,
         if bodies.kind[b] == FIXED:
             continue
         for y in range(rows.incidence_start[b], rows.incidence_start[b + 1]):
-            p = rows.incidence_segment[y]
-            value = x[rows.incidence_row[y]]
+            p = rows.incidence[y, 1]
+            value = x[rows.incidence[y, 0]]
             if value != 0.0:
                 for k in range(n):
                     out[o + k] += A[p + k] * value
@@ -126,11 +126,11 @@ def product(rows: LiaisonTable, bodies: BodyTable, A: Array, v: Array, out: Arra
         if bodies.kind[b] == FIXED:
             continue
         for y in range(rows.incidence_start[b], rows.incidence_start[b + 1]):
-            p = rows.incidence_segment[y]
+            p = rows.incidence[y, 1]
             value = 0.0
             for k in range(n):
                 value += A[p + k] * v[o + k]
-            out[rows.incidence_row[y]] += value
+            out[rows.incidence[y, 0]] += value
 
 
 @njit(cache=True)

@@ -14,7 +14,7 @@ from maggi.forces.kernels import applied_forces
 from maggi.forces.tables import ForceTable
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.liaisons.kernels import evaluate_rows
-from maggi.liaisons.tables import DRIVEN, DRIVEN_RATE, OFFSET, ROTATION, LiaisonState, LiaisonTable
+from maggi.liaisons.tables import ROW_ANGULAR, ROW_HOLONOMIC, LiaisonState, LiaisonTable
 from maggi.linalg.rotations import exp_se3_update
 from maggi.projection.range_space import (
     assemble_compliance,
@@ -153,29 +153,19 @@ def evaluate_state(
 
 
 @njit(cache=True)
-def row_is_rotation(liaisons: LiaisonTable, i: int) -> bool:
-    """Whether a row restricts a rotation: its residuals are then in rad, rad/s, rad/s²."""
-    kind = liaisons.row_kind[i]
-    if kind == DRIVEN or kind == DRIVEN_RATE:
-        return bool(liaisons.coordinate_kind[liaisons.row_first[i]] == ROTATION)
-    return bool(kind != OFFSET)
-
-
-@njit(cache=True)
 def scaled_residuals(liaisons: LiaisonTable, rows: LiaisonState, scales: Array, out: Array) -> None:
     """The largest |Φ|, |A v + b|, |A v̇ + γ| over size, speed and acceleration (rotations: as angles); out (3,)."""
-    holonomic = liaisons.holonomic
-    row_kind = liaisons.row_kind
+    row = liaisons.row
     row_position = rows.position
     row_velocity = rows.velocity
     row_acceleration = rows.acceleration
     out[:] = 0.0
     size, speed, acceleration = scales[0], scales[1], scales[2]
-    for i in range(row_kind.shape[0]):
-        arm = size if row_is_rotation(liaisons, i) else 1.0
+    for i in range(row.shape[0]):
+        arm = size if row[i, ROW_ANGULAR] == 1 else 1.0
         x = abs(row_velocity[i]) * arm / speed
         y = abs(row_acceleration[i]) * arm / acceleration
-        z = abs(row_position[i]) * arm / size if holonomic[i] == 1 else 0.0
+        z = abs(row_position[i]) * arm / size if row[i, ROW_HOLONOMIC] == 1 else 0.0
         # written so that a NaN stays
         out[0] = z if not (z <= out[0]) else out[0]
         out[1] = x if not (x <= out[1]) else out[1]
@@ -268,8 +258,7 @@ def iterate(
     kind = bodies.kind
     offset = bodies.offset
     ritz_square = bodies.ritz_square
-    holonomic = liaisons.holonomic
-    row_kind = liaisons.row_kind
+    row = liaisons.row
     first = liaisons.skyline_first
     start = liaisons.skyline_start
     a = state.a
@@ -312,7 +301,7 @@ def iterate(
     border = work.spring_border
     springs = J.shape[0]
     n = a.shape[0]
-    r = row_kind.shape[0]
+    r = row.shape[0]
     residuals = np.empty(3)
     error = 0.0
     previous = 0.0
@@ -358,7 +347,7 @@ def iterate(
                 if pivot[i] == 0.0:
                     multipliers_next[i] = 0.0
             if springs > 0:
-                spring_rows(forces, bodies, liaisons, next_motion, attachments, J)
+                spring_rows(forces, bodies, liaisons, next_motion, attachments, rows.coordinate_wrench, J)
                 spring_border(
                     forces, bodies, liaisons, c, A, W, L, pivot, J, work.spring_W, border, work.spring_inverse
                 )
@@ -370,7 +359,7 @@ def iterate(
             acceleration = row_acceleration[i] / c.sigma
             kappa[i] = -row_velocity[i] + c.gamma * c.h * acceleration
             pi[i] = -row_position[i] + c.beta * c.h * c.h * acceleration
-            if holonomic[i] == 0:
+            if row[i, ROW_HOLONOMIC] == 0:
                 pi[i] = 0.0
         if c.h > 0.0:
             solve(first, start, L, pivot, kappa)
@@ -553,7 +542,7 @@ def accept(
     for i in range(multipliers.shape[0]):
         multipliers_previous[i] = multipliers[i]
         multipliers[i] = multipliers_next[i]
-    rows.previous[:] = rows.coordinate
+    rows.previous[:] = rows.coordinate[:, 0]
     update_scales(bodies.kind, bodies.offset, now, state.elastic, state.scales)
 
 

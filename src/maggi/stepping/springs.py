@@ -18,7 +18,7 @@ from maggi.bodies.kernels import generalised_force
 from maggi.bodies.tables import Array, AttachmentState, BodyTable, MotionState
 from maggi.forces.tables import ForceTable
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
-from maggi.liaisons.tables import LiaisonTable
+from maggi.liaisons.tables import COORDINATE_JOINT, LiaisonTable
 from maggi.projection.range_space import block_product, product, solve
 
 
@@ -56,6 +56,7 @@ def spring_rows(
     liaisons: LiaisonTable,
     motion: MotionState,
     attachments: AttachmentState,
+    coordinate_wrench: Array,
     J: Array,
 ) -> None:
     """Rows J (s, n) of all springs, then torsion springs: the rates of their lengths or angles are J v."""
@@ -76,22 +77,19 @@ def spring_rows(
                 n[i] /= length
         else:
             c = forces.torsion_coordinate[s - linear]
-            j = liaisons.coordinate_joint[c]
-            p, q = liaisons.first[j], liaisons.second[j]
-            for i in range(3):
-                n[i] = 0.0
-                for l in range(3):
-                    n[i] += attachments.rotation[p, i, l] * liaisons.first_frame[j, l, liaisons.coordinate_axis[c]]
+            j = liaisons.coordinate[c, COORDINATE_JOINT]
+            p, q = liaisons.joint[j, 0], liaisons.joint[j, 1]
         for end in range(2):
             a = p if end == 0 else q
             sign = -1.0 if end == 0 else 1.0
             b = bodies.attachment_body[a]
             row = J[s, bodies.offset[b] : bodies.offset[b + 1]]
-            x, y, z = sign * n[0], sign * n[1], sign * n[2]
             if s < linear:
+                x, y, z = sign * n[0], sign * n[1], sign * n[2]
                 generalised_force(bodies, motion, attachments, a, x, y, z, 0.0, 0.0, 0.0, row)
             else:
-                generalised_force(bodies, motion, attachments, a, 0.0, 0.0, 0.0, x, y, z, row)
+                f = coordinate_wrench[c, end]
+                generalised_force(bodies, motion, attachments, a, f[0], f[1], f[2], f[3], f[4], f[5], row)
 
 
 @njit(cache=True)

@@ -117,6 +117,10 @@ class BodyList:
         """An attachment's global position in the initial pose."""
         return self.to_global(self._attachment_body[attachment], self._points[attachment])
 
+    def attachment_point(self, attachment: int) -> Array:
+        """An attachment's point in its body's axes, undeformed."""
+        return self._points[attachment]
+
     def centers(self) -> list[Array]:
         """Centres of mass of all bodies that have mass, global."""
         return [self.to_global(b, e.S0 / e.mass) for b, e in enumerate(self._bodies) if e.mass > 0.0]

@@ -11,17 +11,19 @@ from numpy.typing import NDArray
 from maggi.bodies.mesh_body import MeshBody, build_mesh_body
 from maggi.bodies.motions import MotionTable
 from maggi.forces.tables import ForceTable
-from maggi.liaisons.registry import JOINTS, JointKind
+from maggi.liaisons.registry import JOINTS
 from maggi.model.bodies import Body, ElasticBody, GivenMotion, RigidBody, RigidRunMotion, RitzBody
 from maggi.model.errors import ModelError
 from maggi.model.expression import expression
 from maggi.model.forces import PointLoad, SpringDamper, TorsionSpring
-from maggi.model.joints import GROUND, Driver, End, Joint
+from maggi.model.joints import Coupler, Driver, End
 from maggi.model.model import Model
 
 from .body_list import BodyList, initial_pose
-from .liaison_list import LiaisonList, joint_kind
+from .joint_builder import JointBuilder
+from .liaison_list import LiaisonList
 from .packing import FunctionList, integers, numbers
+from .places import Places
 from .system import AttachmentEntry, BodyEntry, System
 
 Array = NDArray[np.float64]
@@ -74,28 +76,26 @@ class _Builder:
         self._meshes = meshes
         self._announce = announce
         self._bodies = BodyList()
+        self._places = Places(self._bodies)
         self._liaisons = LiaisonList(self._bodies)
-        self._body_index: dict[str, int] = {GROUND: 0}
+        self._joints = JointBuilder(self._bodies, self._places, self._liaisons)
         self._body_entries: list[BodyEntry] = []
-        self._attachments: dict[tuple[str, str], int] = {}
         self._attachment_entries: list[AttachmentEntry] = []
         self._mesh_bodies: dict[int, MeshBody] = {}
         self._given: list[tuple[int, GivenMotion, Array, Array]] = []
         self._replayed: list[tuple[int, RecordedMotion]] = []
-        self._extent: list[Array] = []
 
     def build(self) -> System:
         model = self._model
         for name, body in model.bodies.items():
             self._add_body(name, body)
-        for name, liaison in model.joints.items():
-            if isinstance(liaison, Joint):
-                self._add_joint(name, liaison)
-        for name, liaison in model.joints.items():
-            if isinstance(liaison, Driver):
-                self._liaisons.add_driver(name, liaison.joint, liaison.quantity, liaison.function)
+        # drivers and couplers act on the coordinates of other joints
+        for late in (False, True):
+            for name, liaison in model.joints.items():
+                if isinstance(liaison, Driver | Coupler) == late:
+                    self._joints.add(liaison, name)
         forces = self._forces()
-        points = np.array(self._extent + self._bodies.centers())
+        points = np.array(self._places.extent + self._bodies.centers())
         size = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
         size = size if size > 0.0 else 1.0
         table = self._bodies.table()
@@ -113,6 +113,7 @@ class _Builder:
             size,
             self._bodies.inertia_floor(size),
             self._bodies.start(),
+            tuple(self._liaisons.row_functions),
         )
 
     # bodies
@@ -150,7 +151,7 @@ class _Builder:
             self._mesh_bodies[index] = mesh
         self._name(name, index)
         low, high = mesh.mesh.bounding_box()
-        self._extent += [self._bodies.to_global(index, low), self._bodies.to_global(index, high)]
+        self._places.extent += [self._bodies.to_global(index, low), self._bodies.to_global(index, high)]
         count = len(mesh.couplings)
         for k, coupling in enumerate(mesh.couplings):
             psi = None
@@ -168,27 +169,26 @@ class _Builder:
             else:
                 self._replayed.append((target, self._recorded[name]))
         for held in motion.held:
-            attachment = self._named(End(name, held), f"bodies.{name}.frame.held")
+            attachment = self._places.attachment(End(name, held), f"bodies.{name}.frame.held")
             point = self._bodies.attachment_position(attachment)
-            self._liaisons.add_joint(
+            self._joints.add_joint(
                 f"{name}.{held}.held",
                 JOINTS["weld"],
                 self._bodies.add_attachment(helper, pose[1].T @ (point - pose[0])),
                 attachment,
-                np.eye(3),
+                (np.eye(3), np.eye(3)),
                 (f"{name}.frame", f"{name}.{held}"),
                 visible=False,
             )
 
     def _name(self, name: str, index: int) -> None:
-        self._body_index[name] = index
+        self._places.add_body(name, index)
         self._body_entries.append(BodyEntry(name, index))
 
     def _attach(self, body: str, name: str, index: int, point: Array, psi: Array | None) -> None:
         row = self._bodies.add_attachment(index, point, psi)
-        self._attachments[body, name] = row
+        self._places.add_attachment(body, name, row)
         self._attachment_entries.append(AttachmentEntry(body, name, row))
-        self._extent.append(self._bodies.attachment_position(row))
 
     def _points(self, name: str, body: RigidBody, index: int) -> None:
         for key, attachment in body.attachments.items():
@@ -217,92 +217,25 @@ class _Builder:
     def _weld_mass(self, body: str, key: str, number: int, mass: RigidBody) -> None:
         """A point mass: a rigid body welded to its attachment."""
         index = self._bodies.add_rigid(mass)
-        start = self._bodies.attachment_position(self._attachments[body, key])
-        rotation = self._bodies.rotation(self._body_index[body])
+        path = f"bodies.{body}.attachments.{key}"
+        holder = self._places.attachment(End(body, key), path)
+        start = self._bodies.attachment_position(holder)
+        rotation = self._bodies.rotation(self._places.body(body, path))
         self._bodies.place(index, start, rotation)
         name = f"{body}.{key}.mass{number + 1}"
         self._body_entries.append(BodyEntry(name, index, visible=False))
-        self._liaisons.add_joint(
+        self._joints.add_joint(
             f"{name}.weld",
             JOINTS["weld"],
-            self._attachments[body, key],
+            holder,
             self._bodies.add_attachment(index, np.zeros(3)),
-            rotation,
+            (rotation, rotation),
             (f"{body}.{key}", name),
             visible=False,
         )
 
     def _prescribe(self, index: int, body: Body, motion: GivenMotion) -> None:
         self._given.append((index, motion, np.array(body.pose.origin), np.array(body.pose.rotation)))
-
-    # joints
-
-    def _add_joint(self, name: str, joint: Joint) -> None:
-        path = f"joints.{name}"
-        kind = joint_kind(joint.kind, f"{path}.type")
-        ends = (joint.first, joint.second)
-        named = [end for end in ends if end.attachment is not None]
-        if joint.at is None and not named:
-            raise ModelError(
-                "the joint has no place", path=path, remedy="give `at: [x, y, z]` or name an attachment in `between`"
-            )
-        if len(named) == 2 and joint.at is not None:
-            p, q = (self._bodies.attachment_position(self._named(end, f"{path}.between")) for end in ends)
-            raise ModelError(
-                f"`at` is given though both attachments are named ({np.linalg.norm(q - p):.3g} m apart)",
-                path=f"{path}.at",
-                remedy="leave out `at`: the attachments say where the joint is",
-            )
-        if joint.at is not None:
-            place = np.array(joint.at)
-        else:
-            place = self._bodies.attachment_position(self._named(named[0], f"{path}.between"))
-        elsewhere = joint.at is not None
-        first, second = (self._marker(end, place, f"{path}.between", elsewhere) for end in ends)
-        self._extent.append(place)
-        self._liaisons.add_joint(
-            name, kind, first, second, _joint_frame(kind, joint, path), (str(joint.first), str(joint.second))
-        )
-
-    def _marker(self, end: End, place: Array, path: str, elsewhere: bool) -> int:
-        """The attachment of a joint's end: the named one, or a point of a rigid body or of ground.
-
-        elsewhere : the joint's place was given by itself, and may be another point of a named rigid body.
-        """
-        if end.attachment is not None:
-            attachment = self._named(end, path)
-            index = self._body_index[end.body]
-            if not elsewhere or self._bodies.is_elastic(index):
-                return attachment
-            # the joint's point, on the same rigid body
-            return self._bodies.add_attachment(index, self._bodies.to_body(index, place))
-        index = self._index(end.body, path)
-        if self._bodies.is_elastic(index):
-            raise ModelError(
-                f"the elastic body {end.body!r} is joined without naming an attachment",
-                path=path,
-                remedy=f"write `{end.body}.<attachment>`: elastic bodies are joined at attachments only",
-            )
-        return self._bodies.add_attachment(index, self._bodies.to_body(index, place))
-
-    def _named(self, end: End, path: str) -> int:
-        self._index(end.body, path)
-        key = (end.body, end.attachment or "")
-        if key not in self._attachments:
-            has = [name for body, name in self._attachments if body == end.body]
-            raise ModelError(
-                f"body {end.body!r} has no attachment {end.attachment!r}",
-                path=path,
-                remedy=f"it has {', '.join(has)}" if has else "add it under `attachments:`",
-            )
-        return self._attachments[key]
-
-    def _index(self, body: str, path: str) -> int:
-        if body not in self._body_index:
-            raise ModelError(
-                f"there is no body {body!r}", path=path, remedy=f"bodies are {', '.join(self._body_index)}"
-            )
-        return self._body_index[body]
 
     # forces
 
@@ -312,12 +245,12 @@ class _Builder:
         for name, force in self._model.forces.items():
             path = f"forces.{name}"
             if isinstance(force, PointLoad):
-                loads.append(self._force_point(force.on, f"{path}.on"))
+                loads.append(self._places.point(force.on, f"{path}.on"))
                 load_kind.append((int(force.kind == "torque"), int(force.frame == "body")))
                 for component in force.value:
                     functions.add(component)
             elif isinstance(force, SpringDamper):
-                ends = [self._force_point(end, f"{path}.between") for end in (force.first, force.second)]
+                ends = [self._places.point(end, f"{path}.between") for end in (force.first, force.second)]
                 p, q = (self._bodies.attachment_position(end) for end in ends)
                 distance = float(np.linalg.norm(q - p))
                 if distance == 0.0:
@@ -346,21 +279,6 @@ class _Builder:
             values,
         )
 
-    def _force_point(self, end: End, path: str) -> int:
-        if end.point is not None:
-            self._extent.append(np.array(end.point))
-            return self._bodies.add_attachment(0, np.array(end.point))
-        if end.attachment is not None:
-            return self._named(end, path)
-        index = self._index(end.body, path)
-        if self._bodies.is_elastic(index):
-            raise ModelError(
-                f"a force on the elastic body {end.body!r} needs an attachment",
-                path=path,
-                remedy=f"write `{end.body}.<attachment>`",
-            )
-        return self._bodies.add_attachment(index, np.zeros(3))
-
     def _motion_table(self) -> MotionTable:
         functions = FunctionList()
         rotations, axes = [], []
@@ -388,30 +306,6 @@ class _Builder:
             numbers([m.twist for m in replayed], (-1, n, 6)),
             numbers([m.rate for m in replayed], (-1, n, 6)),
         )
-
-
-def _joint_frame(kind: JointKind, joint: Joint, path: str) -> Array:
-    """The joint's axes as columns, global: z along `axis`, or x and y along the two `axes`."""
-    if kind.placed_by == "axes":
-        if joint.axes is None:
-            raise ModelError("the joint has no axes", path=path, remedy="give `axes: [on first, on second]`")
-        x, y = (np.array(axis) / np.linalg.norm(axis) for axis in joint.axes)
-        if abs(x @ y) > 1e-9:
-            raise ModelError(
-                f"the two axes are not at right angles (cosine {x @ y:.3g})",
-                path=f"{path}.axes",
-                remedy="a universal joint's cross has perpendicular pins",
-            )
-        return np.column_stack([x, y, np.cross(x, y)])
-    if kind.placed_by == "":
-        return np.eye(3)
-    if joint.axis is None:
-        raise ModelError("the joint has no axis", path=path, remedy="give `axis: [x, y, z]`, global")
-    z = np.array(joint.axis) / np.linalg.norm(joint.axis)
-    x = np.eye(3)[int(np.argmin(np.abs(z)))]
-    x = x - (x @ z) * z
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(z, x), z])
 
 
 def has_recorded_motion(model: Model) -> list[str]:

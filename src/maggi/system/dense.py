@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from maggi.bodies.kernels import attachment_motion, mass_matrix
 from maggi.bodies.tables import FIXED, MESH, AttachmentState, MotionState
 from maggi.liaisons.kernels import evaluate_rows
-from maggi.liaisons.tables import LiaisonState
+from maggi.liaisons.tables import END_ATTACHMENT, LiaisonState
 
 from .system import System
 
@@ -48,20 +48,18 @@ def new_rows(system: System) -> LiaisonState:
     """Row values, all zero; the joint coordinates' unwrapping starts at zero, the initial pose."""
     r = system.rows
     width = np.diff(system.bodies.offset)
-    owner = system.bodies.attachment_body
     table = system.liaisons
-    size = sum(int(width[owner[table.first[j]]] + width[owner[table.second[j]]]) for j in table.row_joint)
-    c = table.coordinate_joint.size
+    size = int(width[system.bodies.attachment_body[table.end[:, END_ATTACHMENT]]].sum())
+    c = len(table.coordinate)
     return LiaisonState(
         A=np.zeros(size),
         position=np.zeros(r),
         velocity=np.zeros(r),
         acceleration=np.zeros(r),
         rhs=np.zeros(r),
-        force=np.zeros((r, 2, 3)),
-        moment=np.zeros((r, 2, 3)),
-        coordinate=np.zeros(c),
-        rate=np.zeros(c),
+        wrench=np.zeros((len(table.end), 6)),
+        coordinate=np.zeros((c, 3)),
+        coordinate_wrench=np.zeros((c, 2, 6)),
         previous=np.zeros(c),
     )
 
@@ -77,11 +75,9 @@ def dense_rows(system: System, motion: MotionState, t: float, previous: Array | 
     table, bodies = system.liaisons, system.bodies
     A = np.zeros((system.rows, system.coordinates))
     for i in range(system.rows):
-        joint = table.row_joint[i]
-        for side, attachment in enumerate((table.first[joint], table.second[joint])):
+        for attachment, start in table.end[table.end_start[i] : table.end_start[i + 1]]:
             body = bodies.attachment_body[attachment]
             o, e = bodies.offset[body], bodies.offset[body + 1]
-            start = table.segment[i, side]
             A[i, o:e] += rows.A[start : start + e - o]
     return DenseRows(A, rows.position.copy(), rows.velocity.copy(), rows.velocity - A @ motion.v, rows.acceleration)
 

@@ -7,21 +7,21 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.model.functions import TimeFunction
+from maggi.model.functions import Formula, TimeFunction
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
 class FunctionList:
-    """Functions of time, concatenated to postfix arrays."""
+    """Functions, concatenated to postfix arrays."""
 
     def __init__(self) -> None:
         self._start = [0]
         self._codes: list[int] = []
         self._values: list[float] = []
 
-    def add(self, function: TimeFunction) -> int:
+    def add(self, function: TimeFunction | Formula) -> int:
         """Append a function and return its number."""
         self._codes += function.codes
         self._values += function.values

@@ -11,7 +11,8 @@ from maggi.bodies.mesh_body import MeshBody
 from maggi.bodies.motions import MotionTable
 from maggi.bodies.tables import BodyTable, MotionState
 from maggi.forces.tables import ForceTable
-from maggi.liaisons.tables import DRIVEN, OFFSET, PRODUCT, LiaisonTable
+from maggi.liaisons.callbacks import RowFunction
+from maggi.liaisons.tables import ROW_HOLONOMIC, ROW_OWNER, LiaisonTable
 from maggi.model.model import Model
 
 Array = NDArray[np.float64]
@@ -38,19 +39,20 @@ class AttachmentEntry:
 
 @dataclass(frozen=True, eq=False)
 class LiaisonEntry:
-    """A joint or a driver: rows and coordinates in the tables, and what its ends are called.
+    """A joint, a coupler or a driver: rows and coordinates in the tables, and what its ends are called.
 
-    joint: row of the joint that it acts in (a driver's is its joint's). reference: attachment on the second
-    body at whose point force and torque are reported.
+    labels: what each row restricts, such as ``rotation about its y axis``. reference: the attachment on the second
+    body at whose point force and torque are reported. position, axis: global, in the initial pose.
     """
 
     name: str
     kind: str
-    joint: int
     rows: IntArray
+    labels: tuple[str, ...]
     coordinates: IntArray
     first: str
     second: str
+    reference: int
     position: Array
     axis: Array | None
     visible: bool = True
@@ -62,7 +64,7 @@ class System:
 
     size: the mechanism's extent (m), the length that position residuals are scaled with.
     inertia_floor (b,): kg m², see `stepping.kernels.compliances`. start: the motion at the initial pose.
-    mesh_bodies: by row in the tables.
+    mesh_bodies: by row in the tables. row_functions: Python functions whose addresses the liaison table holds.
     """
 
     model: Model
@@ -77,6 +79,7 @@ class System:
     size: float
     inertia_floor: Array
     start: MotionState
+    row_functions: tuple[RowFunction, ...] = ()
 
     @property
     def coordinates(self) -> int:
@@ -86,7 +89,22 @@ class System:
     @property
     def rows(self) -> int:
         """Number of liaison rows."""
-        return int(self.liaisons.row_kind.size)
+        return len(self.liaisons.row)
+
+    @property
+    def holonomic(self) -> NDArray[np.bool_]:
+        """Which rows have a position residual (r,)."""
+        return np.asarray(self.liaisons.row[:, ROW_HOLONOMIC] == 1)
+
+    @property
+    def driven(self) -> NDArray[np.bool_]:
+        """Which rows belong to drivers (r,)."""
+        of_drivers = np.array([entry.kind == "driver" for entry in self.liaison_entries], dtype=np.bool_)
+        return of_drivers[self.liaisons.row[:, ROW_OWNER]]
+
+    def owner(self, row: int) -> LiaisonEntry:
+        """The liaison that a row belongs to."""
+        return self.liaison_entries[int(self.liaisons.row[row, ROW_OWNER])]
 
     def body(self, name: str) -> BodyEntry:
         """The entry of a body by name."""
@@ -94,11 +112,9 @@ class System:
 
     def row_name(self, row: int) -> str:
         """What a row does, for messages: ``crankpin: offset along its z axis``."""
-        table = self.liaisons
-        owner = self.liaison_entries[table.row_owner[row]].name
-        kind, k, l = int(table.row_kind[row]), int(table.row_first[row]), int(table.row_second[row])
-        if kind == OFFSET:
-            return f"{owner}: offset along its {'xyz'[k]} axis"
-        if kind == PRODUCT:
-            return f"{owner}: rotation about its {'xyz'[3 - k - l]} axis"
-        return f"{owner}: driven coordinate" if kind == DRIVEN else f"{owner}: driven speed"
+        return f"{self.owner(row).name}: {self.row_label(row)}"
+
+    def row_label(self, row: int) -> str:
+        """What a row does, without its liaison's name."""
+        owner = self.owner(row)
+        return owner.labels[int(np.flatnonzero(owner.rows == row)[0])]
