@@ -1,0 +1,62 @@
+"""Gibbs–Appell's formulation by Gauss' principle: among the accelerations that the liaisons admit, those of least Z.
+
+    Z(v̇) = ½ Σ m_p |a_p − g|² − Σ F·a
+
+over all mass points and applied forces, each taken with the acceleration of its own point; up to what does not depend
+on v̇ this is ½ Σ m |a − F/m|². A constrained least-squares problem, solved as such: no mass matrix is formed from
+points of positive mass.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .admissible import admissible, kinetic_weights
+from .free_bodies import FreeBody, acceleration_rows, applied_forces, free_bodies, locked_at, places_at
+from .question import Answer, Question
+
+Array = NDArray[np.float64]
+
+NULL = 1e-13  # part of the largest singular value below which a motion has no inertia
+
+
+def gibbs_appell(question: Question) -> Answer:
+    """Accelerations and joint forces by minimising Gauss' function."""
+    bodies, places = free_bodies(question), places_at(question)
+    force = applied_forces(question, places)
+    B, b = np.zeros((question.size, question.size)), np.zeros(question.size)
+    for body in bodies:
+        B[body.slots, body.slots], b[body.slots] = _root(body)
+        force[body.slots] += body.elastic
+    B, force = B[:, question.moving], force[question.moving]
+    C, gamma = acceleration_rows(question, locked_at(question, places))
+    allowed = admissible(C, gamma, kinetic_weights(bodies, question.size)[question.moving])
+    U, values, Vt = np.linalg.svd(B @ allowed.motions, full_matrices=False)
+    kept = values > NULL * values.max(initial=0.0)
+    U, values, Vt = U[:, kept], values[kept], Vt[kept]
+    steepest = U.T @ (B @ allowed.particular + b) - (Vt @ (allowed.motions.T @ force)) / values
+    accelerations = allowed.particular - allowed.motions @ (Vt.T @ (steepest / values))
+    joint_forces = B.T @ (B @ accelerations + b) - force
+    return Answer(accelerations, joint_forces, {})
+
+
+def _root(body: FreeBody) -> tuple[Array, Array]:
+    """B (s, s) and b (s,) with ``½ Σ m |a − g|² = ½ |B v̇ + b|²`` up to a constant."""
+    slopes, free = body.acceleration[1:], body.acceleration[0]
+    s = len(slopes)
+    if np.all(body.masses >= 0.0):
+        root = np.sqrt(body.masses)[:, None]
+        rows = (root * slopes).reshape(s, -1).T
+        if len(rows) < s:
+            rows = np.concatenate([rows, np.zeros((s - len(rows), s))])
+        Q, R = np.linalg.qr(rows)
+        right = np.zeros(len(rows))
+        right[: free.size] = (root * free).ravel()
+        return R, Q.T @ right
+    # points of negative mass stand for an inertia tensor that no body has: the sums over all points decide
+    H = np.einsum("p,jpi,kpi->jk", body.masses, slopes, slopes)
+    h = np.einsum("p,jpi,pi->j", body.masses, slopes, free)
+    values, axes = np.linalg.eigh(H)
+    root = np.sqrt(np.where(values > NULL * values.max(initial=0.0), values, 0.0))
+    return root[:, None] * axes.T, np.divide(axes.T @ h, root, out=np.zeros(s), where=root > 0.0)
