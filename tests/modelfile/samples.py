@@ -123,3 +123,53 @@ bodies:
 joints:
   pin: {type: revolute, between: [ground, rod.pin], axis: [0, 0, 1]}
 """
+
+# Every kind of joint that EVERYTHING does not have. Nothing is said of how they work together.
+LIBRARY = """\
+maggi: 1
+title: The joint library
+parameters: {w: 1.2 m, base: 2.5 m, n: 3}
+bodies:
+  shaft: {kind: rigid, mass: 1, inertia: [1, 1, 1], attachments: {hub: {at: [0.1, 0, 0]}}}
+  wheel: {kind: rigid, mass: 1, inertia: [1, 1, 1], pose: {origin: [0, 1, 0.3]}, attachments: {rim: {at: [0, 0, 0.3]}}}
+  lever: {kind: rigid, mass: 1, inertia: [1, 1, 1], attachments: {tip: {at: [0, 0.1, 0]}}}
+  cam: {kind: rigid, mass: 1, inertia: [1, 1, 1], pose: {rotation: {axis: [1, 0, 0], angle: 90 deg}}}
+  sled: {kind: rigid, mass: 1, inertia: [1, 1, 1], attachments: {front: {at: [0.2, 0, 0]}}}
+  ball: {kind: rigid, mass: 1, inertia: [1, 1, 1]}
+joints:
+  crank: {type: revolute, between: [ground, shaft], at: [0, 0, 0], axis: [0, 0, 1]}
+  rocker: {type: cylindrical, between: [ground, wheel], at: [0, 1, 0], axis: [0, 0, 1]}
+  slider: {type: prismatic, between: [ground, lever], at: [0, 0, 0], axis: [1, 0, 0]}
+  loose: {type: free, between: [ground, ball], at: [0, 0, 0]}
+  inline: {type: constant-velocity, between: [shaft, wheel], at: [0, 0, 0], axis: [0, 0, 1]}
+  bent: {type: constant-velocity, between: [shaft.hub, wheel], axes: [[0, 0, 1], [0, 1, 1]]}
+  nut: {type: screw, between: [shaft, lever.tip], axis: [0, 0, 1], pitch: 5 mm}
+  feed: {type: driver, joint: nut, angle: 10*t}
+  mesh: {type: gear, joints: [crank, rocker.angle], ratio: -n}
+  bar: {type: rack, joints: [crank, slider], radius: 20 mm}
+  chain: {type: belt, joints: [crank, rocker], radii: [0.1, 0.05], crossed: true}
+  steering: {type: coupler, joints: {a: crank, b: rocker.angle}, relation: tan(a) - tan(b) - w/base*tan(a)*tan(b)}
+  balance: {type: coupler, joints: {crank: 2, slider: -1/n}}
+  sides: {type: coupler, joints: {rocker.displacement: 1, rocker.angle: n}, rates: true}
+  speeds: {type: coupler, joints: {a: crank, d: rocker.displacement}, rates: true, relation: 2*(a - d)*cos(t) + 0.1*t}
+  rod: {type: distance, between: [shaft.hub, lever.tip]}
+  string: {type: distance, between: [ball, [0, 0, 2 m]], length: "2 + 0.1*sin(t)"}
+  slot: {type: point-on-curve, between: [shaft, ball], at: [0, 0, 0], curve: {points: [[0, 0], [10 cm, 0.02, 0], [0.2, 0, 0.1]]}}
+  loop: {type: point-on-curve, between: [ground, lever.tip], curve: {points: [[0, 0.1], [1, 0], [0, 1]], closed: true}}
+  helix: {type: point-on-curve, between: [ground, lever], at: [1, 0, 0], curve: {x: cos(s), y: sin(s), z: 0.1*s, s: [0, 720 deg]}}
+  hill: {type: point-on-surface, between: [ground, lever.tip], surface: {z: "0.1*sin(x)*y"}}
+  bowl: {type: point-on-surface, between: [shaft, ball], at: [0, 0, -1], surface: {implicit: x**2 + y**2 + z**2 - 1}}
+  ground: {type: point-on-surface, between: [ground, sled.front], surface: {x: [-1, 0, 1], y: [-1, 1], z: [[0, 0], [1 mm, 0.01], [0, 0]]}}
+  lift: {type: cam, between: [cam, lever.tip], axis: [0, 1, 0], profile: {radius: "0.02 + 0.005*cos(s)"}, roller: 4 mm}
+  press: {type: cam, between: [cam, lever.tip], axis: [0, 1, 0], profile: {x: 0.02*cos(s), y: 0.02*sin(s), s: [0, 2*pi]}, face: [1, 0, 1]}
+  trace: {type: cam, between: [cam, lever], at: [0.01, 0, 0], axis: [0, -1, 0], profile: {points: [[0.01, 0, 1], [0, 0.02, 1], [-0.01, 0, 1], [0, -0.02, 1]]}}
+  tyre: {type: rolling-disc, between: [ground, wheel], radius: 0.3, axis: [0, 1, 0]}
+  roll: {type: rolling-sphere, between: [shaft, ball], radius: 10 cm, at: [0, 0, 0.3], plane: {point: [0, 0, 0.2], normal: [0, 0, 2]}}
+  skate: {type: knife-edge, between: [ground, sled.front], direction: [1, 0, 0]}
+  blade: {type: knife-edge, between: [ground, sled], at: [0, 0, 0], direction: [0, 0, 1], normal: [0, 1, 0]}
+  side: {type: pfaffian, between: {blade: sled.front, g: ground}, rows: [{blade.v.x: -sin(0.1)*blade.r11, blade.v.y: blade.r11, constant: 0.1*t}]}
+  rows: {type: pfaffian, between: [sled, ball], rows: [first.v.y*first.r11 - first.v.x*first.r21 + 0.1*t, 2*(first.w.z - second.w.z)/n]}
+forces:
+  coil: {type: torsion-spring, joint: nut, stiffness: 1}
+simulation: {duration: 1, step: 1 ms}
+"""

@@ -91,8 +91,6 @@ CASES = [
     ("stiffening: false", "stiffening: §true", "bodies.rod.geometric_stiffening", "geometric stiffening is not built yet, found true", "false"),
     ("step: 1e-5", "step: §auto", "simulation.step", "an automatic step is not built yet", "such as 1e-5"),
     ("generalized-alpha", "§radau", "simulation.method", "another method is not built yet, found 'radau'", "generalized-alpha"),
-    ("type: revolute", "type: §rolling-disc", "joints.bearing.type", "type rolling-disc is not built yet", ""),
-    ("type: revolute", "type: §gear", "joints.bearing.type", "type gear is not built yet", ""),
     (QUANTITIES, "[bodies, §stress]", "outputs.quantities.1", "unknown quantity 'stress'", "bodies, attachments"),
     # simulation and outputs
     ("step: 1e-5", "step: §0", "simulation.step", "greater than 0", ""),

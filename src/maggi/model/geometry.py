@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 Vector = tuple[float, float, float]
@@ -24,3 +25,15 @@ class Velocity:
 
     linear: Vector | None = None
     angular: Vector | None = None
+
+
+def axis_rotation(axis: Vector, angle: float) -> Matrix:
+    """The rotation matrix about a unit axis by an angle (rad), right-handed, by Rodrigues' formula."""
+    x, y, z = axis
+    s, c = math.sin(angle), math.cos(angle)
+    v = 1.0 - c
+    return (
+        (c + v * x * x, v * x * y - s * z, v * x * z + s * y),
+        (v * y * x + s * z, c + v * y * y, v * y * z - s * x),
+        (v * z * x - s * y, v * z * y + s * x, c + v * z * z),
+    )

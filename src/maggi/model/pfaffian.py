@@ -35,16 +35,15 @@ def pfaffian_row(
     else:
         constant, coefficients = None, {}
         for key, value in given.items():
+            check_key(key, ends)
             try:
                 formula = named_formula(value, poses, parameters)
             except ModelError as error:
                 raise ModelError(error.message, path=key, remedy=error.remedy) from None
             if key == CONSTANT:
                 constant = formula
-            elif key in velocities:
-                coefficients[velocities[key]] = formula
             else:
-                raise _unknown(key, ends)
+                coefficients[velocities[key]] = formula
     if not coefficients:
         raise ModelError(
             "the row holds no velocity", remedy=f"write one, such as {next(iter(velocities), 'first.v.x')}"
@@ -52,11 +51,15 @@ def pfaffian_row(
     return PfaffianRow(coefficients, constant)
 
 
-def _unknown(key: str, ends: Collection[str]) -> ModelError:
-    name, dot, component = key.partition(".")
-    if name not in ends:
-        near = nearest(name, ends)
-        remedy = f"did you mean '{near}'?" if near else f"ends are {', '.join(ends)}"
-        return ModelError(f"no end is called '{name[:40]}'", path=key, remedy=remedy)
-    what = f"'{component[:40]}' is not a velocity component" if dot else f"'{key[:40]}' names no component"
-    return ModelError(what, path=key, remedy=f"components are {', '.join(VELOCITIES)}")
+def check_key(key: str, ends: Collection[str]) -> None:
+    """Raise ModelError for a key of a row that names no velocity component of an end and is not ``constant``."""
+    name, _, component = key.partition(".")
+    if key == CONSTANT or (name in ends and component in VELOCITIES):
+        return
+    if name in ends:
+        raise ModelError(
+            f"'{key[:60]}' names no velocity component", path=key, remedy=f"components are {', '.join(VELOCITIES)}"
+        )
+    near = nearest(name, [*ends, CONSTANT])
+    remedy = f"did you mean '{near}'?" if near else f"ends are {', '.join(ends)}"
+    raise ModelError(f"no end is called '{name[:40]}'", path=key, remedy=remedy)

@@ -22,7 +22,7 @@ def polar_profile(radius: Formula, axis: Vector) -> ExpressionCurve:
     """
     e1, e2 = polar_directions(axis)
     x, y, z = (
-        _joined(Operation.MULTIPLY, radius, named_formula(f"{a!r}*cos(s) + {b!r}*sin(s)", ("s",), {}))
+        _joined(Operation.MULTIPLY, radius, named_formula(_direction(a, b), ("s",), {}))
         for a, b in zip(e1, e2, strict=True)
     )
     return ExpressionCurve(x, y, z, (0.0, 2.0 * math.pi), closed=True)
@@ -37,6 +37,12 @@ def polar_directions(axis: Vector) -> tuple[Vector, Vector]:
     size = math.sqrt(a * a + b * b + c * c)
     a, b, c = a / size, b / size, c / size
     return (a, b, c), (y * c - z * b, z * a - x * c, x * b - y * a)
+
+
+def _direction(a: float, b: float) -> str:
+    """a cos s + b sin s, without terms that are zero but for round-off."""
+    terms = [f"({factor!r})*{wave}" for factor, wave in ((a, "cos(s)"), (b, "sin(s)")) if abs(factor) > 1e-15]
+    return " + ".join(terms) or "0"
 
 
 def height_surface(height: Formula) -> ExpressionSurface:

@@ -17,7 +17,8 @@ from ..model.model import Model
 from .build import build_model
 from .compose import MAX_CHARACTERS, compose
 from .overrides import apply_overrides
-from .references import References
+from .placement import check_placement
+from .references import check_references
 from .schema.document import Document
 from .schema.mistakes import MAX_MISTAKES, Context, Located, to_model_errors
 from .source import SourceMap
@@ -43,11 +44,11 @@ def read_text(
     root = compose(text, name)
     apply_overrides(root, overrides)
     source = SourceMap(root)
-    document = _validate(root.plain(), source)
-    _raise_located([Located(error) for error in References(document).check()], source)
+    document = _validate(root.plain(), source, folder)
+    _raise_located([Located(error) for error in check_references(document)], source)
     record = text + "".join(f"\n# --set {' '.join(override.split())}" for override in overrides)
     model = build_model(document, record, folder)
-    _raise_located([Located(error) for error in _missing_meshes(model)], source)
+    _raise_located([Located(error) for error in [*_missing_meshes(model), *check_placement(model)]], source)
     return model, source
 
 
@@ -80,9 +81,9 @@ def _contents(file: Path) -> str:
         ) from None
 
 
-def _validate(data: Any, source: SourceMap) -> Document:
+def _validate(data: Any, source: SourceMap, folder: str) -> Document:
     try:
-        context = Context(_parameters(data))
+        context = Context(_parameters(data), folder)
     except ModelErrors as errors:
         # Expressions elsewhere need the parameters: their mistakes come first, alone.
         _raise_located([Located(error, _names_badly(error)) for error in errors.errors], source)

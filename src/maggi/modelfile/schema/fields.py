@@ -43,32 +43,34 @@ class Section(BaseModel):
         """Remember which keys this mapping may have, for the message about one it may not have."""
         if not isinstance(data, dict):
             raise mistake(f"expected keys and values, found {shown(data)}", f"keys are {', '.join(cls.model_fields)}")
-        _context(info).sections[id(data)] = cls
+        context_of(info).sections[id(data)] = cls
         return data
 
 
-def _context(info: ValidationInfo) -> Context:
+def context_of(info: ValidationInfo) -> Context:
+    """What the validation knows."""
     assert isinstance(info.context, Context)
     return info.context
 
 
-def _mistake_of(error: ModelError) -> Exception:
-    return mistake(error.message, error.remedy)
+def mistake_of(error: ModelError, at: tuple[str | int, ...] = ()) -> Exception:
+    """An error of another part of the program, to raise inside a validator; `at` as for `mistake`."""
+    return mistake(error.message, error.remedy, at, error.file, error.line)
 
 
-def read_number(value: Any, dimension: Dimension, context: Context) -> float:
-    """A number, ``number unit`` or expression as SI value of a dimension."""
+def read_number(value: Any, dimension: Dimension, context: Context, also: tuple[Dimension, ...] = ()) -> float:
+    """A number, ``number unit`` or expression as SI value of a dimension, or of one of `also`."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         raise mistake(f"expected {dimension.article}, found {shown(value)}", _how(dimension))
     try:
         if isinstance(value, str):
-            _check_dimension(value, (dimension,), context)
+            check_dimension(value, (dimension, *also), context)
         return constant(value, context.values)
     except ModelError as error:
-        raise _mistake_of(error) from None
+        raise mistake_of(error) from None
 
 
-def _check_dimension(text: str, wanted: tuple[Dimension, ...], context: Context) -> None:
+def check_dimension(text: str, wanted: tuple[Dimension, ...], context: Context) -> None:
     """Refuse a unit, or a bare parameter given with a unit, of another dimension."""
     quantity = units.parse_quantity(text)
     bare = context.parameters.get(text.strip())
@@ -115,18 +117,19 @@ def _how(dimension: Dimension) -> str:
 
 @dataclass(frozen=True)
 class Number:
-    """Marks a float that may be written as number (SI), ``number unit`` of this dimension, or expression."""
+    """Marks a float that may be written as number (SI), ``number unit`` of a dimension, or expression."""
 
     dimension: Dimension
+    also: tuple[Dimension, ...] = ()
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_before_validator_function(self._read, handler(source))
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
-        return {"anyOf": [handler(schema), _text_schema(self.dimension)]}
+        return {"anyOf": [handler(schema), text_schema(self.dimension)]}
 
     def _read(self, value: Any, info: ValidationInfo) -> float:
-        return read_number(value, self.dimension, _context(info))
+        return read_number(value, self.dimension, context_of(info), self.also)
 
 
 @dataclass(frozen=True)
@@ -139,18 +142,18 @@ class Function:
         return core_schema.with_info_plain_validator_function(self._read)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
-        return {"anyOf": [{"type": "number"}, _text_schema(self.dimensions[0], "expression in t and the parameters")]}
+        return {"anyOf": [{"type": "number"}, text_schema(self.dimensions[0], "expression in t and the parameters")]}
 
     def _read(self, value: Any, info: ValidationInfo) -> TimeFunction:
-        context = _context(info)
+        context = context_of(info)
         if isinstance(value, bool) or not isinstance(value, (int, float, str)):
             raise mistake(f"expected a number or an expression in t, found {shown(value)}")
         try:
             if isinstance(value, str):
-                _check_dimension(value, self.dimensions, context)
+                check_dimension(value, self.dimensions, context)
             return time_function(value, context.values)
         except ModelError as error:
-            raise _mistake_of(error) from None
+            raise mistake_of(error) from None
 
 
 @dataclass(frozen=True)
@@ -167,9 +170,9 @@ class Coordinates:
         if isinstance(value, bool) or not isinstance(value, (int, float, str)):
             raise mistake(f"expected a number or an expression in x, y, z, found {shown(value)}")
         try:
-            return compile_program(str(value), _context(info).values, ("x", "y", "z"))
+            return compile_program(str(value), context_of(info).values, ("x", "y", "z"))
         except ModelError as error:
-            raise _mistake_of(error) from None
+            raise mistake_of(error) from None
 
 
 @dataclass(frozen=True)
@@ -182,7 +185,7 @@ class ArrayOf:
         return core_schema.with_info_plain_validator_function(self._read)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
-        result: JsonSchemaValue = {"anyOf": [{"type": "number"}, _text_schema(units.NUMBER)]}
+        result: JsonSchemaValue = {"anyOf": [{"type": "number"}, text_schema(units.NUMBER)]}
         for _ in range(self.axes):
             result = {"type": "array", "items": result}
         return result
@@ -200,7 +203,7 @@ class ArrayOf:
         if len(shape) != self.axes or 0 in shape:
             raise mistake(f"expected lists nested {self.axes} deep, found {len(shape)}")
         array = np.empty(shape)
-        self._fill(value, array, (), _context(info))
+        self._fill(value, array, (), context_of(info))
         return array
 
     def _fill(self, value: Any, array: NDArray[np.float64], at: tuple[int, ...], context: Context) -> None:
@@ -222,7 +225,8 @@ class ArrayOf:
             raise mistake(error.message, error.remedy, at) from None
 
 
-def _text_schema(dimension: Dimension, what: str = "expression in the parameters") -> JsonSchemaValue:
+def text_schema(dimension: Dimension, what: str = "expression in the parameters") -> JsonSchemaValue:
+    """JSON Schema of a quantity written as text."""
     example = _EXAMPLES.get(dimension)
     return {"type": "string", "description": f'"{example}", or an {what}' if example else f"an {what}"}
 
@@ -258,9 +262,7 @@ def empty_is_none(value: Any) -> Any:
     return {} if value is None else value
 
 
-def by_value(
-    key: str, known: tuple[str, ...], later: tuple[str, ...] = ()
-) -> tuple[BeforeValidator, Callable[[Any], Any]]:
+def by_value(key: str, known: tuple[str, ...]) -> tuple[BeforeValidator, Callable[[Any], Any]]:
     """For a mapping whose kind is said by the value of one key: the check, and the function that gives the tag."""
 
     def check(value: Any) -> Any:
@@ -269,8 +271,6 @@ def by_value(
         if key not in value:
             raise mistake(f"missing key '{key}'", f"write {key}: {', '.join(known[:-1])} or {known[-1]}", (key,))
         found = value[key]
-        if found in later and isinstance(found, str):
-            raise mistake(f"{key} {found} is not built yet", f"use one of {', '.join(known)}", (key,))
         if not isinstance(found, str) or found not in known:
             raise mistake(f"unknown {key} {shown(found)}", suggestion(str(found), known, f"known {key}s"), (key,))
         return value
@@ -370,10 +370,10 @@ class _Count:
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         number = {"type": "integer", "minimum": 1, "maximum": self.largest}
-        return {"anyOf": [number, _text_schema(units.NUMBER)]}
+        return {"anyOf": [number, text_schema(units.NUMBER)]}
 
     def _read(self, value: Any, info: ValidationInfo) -> int:
-        number = read_number(value, units.NUMBER, _context(info))
+        number = read_number(value, units.NUMBER, context_of(info))
         if not 1.0 <= number <= self.largest or number != round(number):
             raise mistake(f"expected a whole number from 1 to {self.largest}, found {number:.12g}")
         return int(number)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Tag
 
 from ...model import units
-from .fields import Angle, LoadFunction, Name, Number, Point, PositiveLength, Section, by_value
-from .mistakes import mistake, shown
+from .ends import Points
+from .fields import Angle, LoadFunction, Name, Number, PositiveLength, Section, by_value
 
 
 class LoadSection(Section):
@@ -20,32 +20,11 @@ class LoadSection(Section):
     frame: Literal["global", "body"] = Field("global", description="body: the components turn with the body")
 
 
-def _end_kind(value: Any) -> Any:
-    if not isinstance(value, (str, list)):
-        raise mistake(f"expected body.attachment or a point [x, y, z], found {shown(value)}")
-    return value
-
-
-AnyEnd = Annotated[
-    Annotated[str, Tag("<name>")] | Annotated[Point, Tag("<point>")],
-    Discriminator(lambda value: "<name>" if isinstance(value, str) else "<point>"),
-    BeforeValidator(_end_kind),
-]
-
-
-def _two(value: Any) -> Any:
-    if not isinstance(value, list) or len(value) != 2:
-        raise mistake(f"expected two ends, found {shown(value)}", "write between: [first, second]")
-    return value
-
-
 class SpringDamperSection(Section):
     """A linear spring-damper between two points."""
 
     type: Literal["spring-damper"] = Field(description="spring-damper")
-    between: Annotated[tuple[AnyEnd, AnyEnd], BeforeValidator(_two)] = Field(
-        description="two ends: body.attachment, or a global point [x, y, z]"
-    )
+    between: Points = Field(description="two ends: body.attachment, or a global point [x, y, z]")
     stiffness: Annotated[float, Field(ge=0), Number(units.STIFFNESS)] = Field(0.0, description="stiffness (N/m)")
     damping: Annotated[float, Field(ge=0), Number(units.DAMPING)] = Field(0.0, description="damping (N s/m)")
     length: PositiveLength | None = Field(None, description="free length (m); left out: the initial one")
@@ -55,7 +34,7 @@ class TorsionSpringSection(Section):
     """A spring-damper on a joint's rotation."""
 
     type: Literal["torsion-spring"] = Field(description="torsion-spring")
-    joint: Name = Field(description="a revolute or cylindrical joint")
+    joint: Name = Field(description="a joint with an angle: revolute, cylindrical, screw or planar")
     stiffness: Annotated[float, Field(ge=0), Number(units.TORSION_STIFFNESS)] = Field(
         0.0, description="stiffness (N m/rad)"
     )

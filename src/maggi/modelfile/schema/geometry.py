@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
 
 from ...model import geometry
-from ...model.geometry import IDENTITY, Matrix
+from ...model.geometry import IDENTITY, Matrix, axis_rotation
 from .fields import Angle, AngularVelocityVector, Direction, Inertia, Matrix3, Point, Section, VelocityVector
 from .mistakes import mistake, shown
 
@@ -24,15 +23,8 @@ class AxisAngleSection(Section):
     angle: Angle = Field(description='angle (rad), or a text such as "30 deg"; right-handed')
 
     def build(self) -> Matrix:
-        """The rotation matrix, by Rodrigues' formula."""
-        x, y, z = self.axis
-        s, c = math.sin(self.angle), math.cos(self.angle)
-        v = 1.0 - c
-        return (
-            (c + v * x * x, v * x * y - s * z, v * x * z + s * y),
-            (v * y * x + s * z, c + v * y * y, v * y * z - s * x),
-            (v * z * x - s * y, v * z * y + s * x, c + v * z * z),
-        )
+        """The rotation matrix."""
+        return axis_rotation(self.axis, self.angle)
 
 
 def _proper(matrix: Matrix) -> Matrix:

@@ -31,13 +31,14 @@ def _unit_name(value: Any, info: ValidationInfo) -> Any:
     return f"1 {value}" if isinstance(value, str) and re.fullmatch(r"\s*[A-Za-zµμ]+\s*", value) else value
 
 
+FileUnit = Annotated[float, Field(gt=0), Number(units.LENGTH), BeforeValidator(_unit_name)]
+
+
 class FileMeshSection(Section):
     """A mesh file: Gmsh .msh, Abaqus or CalculiX .inp."""
 
     file: Text = Field(description="path of the mesh file, from the model file's folder")
-    unit: Annotated[float, Field(gt=0), Number(units.LENGTH), BeforeValidator(_unit_name)] = Field(
-        1.0, description='length of one unit of the file: "mm", "in", or a number in metres'
-    )
+    unit: FileUnit = Field(1.0, description='length of one unit of the file: "mm", "in", or a number in metres')
 
     def build(self) -> MeshSource:
         """The frozen description."""

@@ -26,10 +26,11 @@ MAX_MISTAKES = 100
 class Context:
     """What validation knows beyond the value at hand.
 
-    parameters : resolved, SI. sections : for every mapping met (by identity) the class that says its keys.
+    parameters : resolved, SI. folder : where paths of files start. sections : for every mapping met (by identity) the class that says its keys.
     """
 
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
+    folder: str = "."
     sections: dict[int, type[BaseModel]] = field(default_factory=dict)
 
     @cached_property
@@ -46,9 +47,15 @@ class Located:
     at_key: bool = False
 
 
-def mistake(message: str, remedy: str = "", at: Sequence[str | int] = ()) -> PydanticCustomError:
-    """An error to raise inside a validator; `at` leads from the validated value to the wrong part of it."""
-    return PydanticCustomError("mistake", "{text}", {"text": message, "remedy": remedy, "at": tuple(at)})
+def mistake(
+    message: str, remedy: str = "", at: Sequence[str | int] = (), file: str = "", line: int = 0
+) -> PydanticCustomError:
+    """An error to raise inside a validator; `at` leads from the validated value to the wrong part of it.
+
+    file, line : where the mistake is, if in another file than the model's.
+    """
+    found = {"text": message, "remedy": remedy, "at": tuple(at), "file": file, "line": line}
+    return PydanticCustomError("mistake", "{text}", found)
 
 
 def shown(value: Any) -> str:
@@ -100,6 +107,7 @@ def _convert(details: ErrorDetails, data: Any, context: Context) -> Located:
     keys = _without_marks(whole, data)
     at_key = len(whole) > 0 and whole[-1] == KEY
     message, remedy = details["msg"], ""
+    file, line = extra.get("file", ""), extra.get("line", 0)
     if kind == "mistake":
         message, remedy = extra["text"], extra["remedy"]
     elif kind == "extra_forbidden":
@@ -127,7 +135,8 @@ def _convert(details: ErrorDetails, data: Any, context: Context) -> Located:
     else:
         message = f"{message}, found {shown(value)}"
         remedy = _meaning(keys, data, context)
-    return Located(ModelError(message, path=".".join(str(key) for key in keys), remedy=remedy), at_key)
+    path = ".".join(str(key) for key in keys)
+    return Located(ModelError(message, path=path, remedy=remedy, file=file, line=line), at_key)
 
 
 def _meaning(keys: Sequence[str | int], data: Any, context: Context) -> str:
