@@ -129,9 +129,9 @@ def evaluate_rows(
     work = np.empty((4, 3))
     jet = np.empty(3)
     out.A[:] = 0.0
+    out.rhs[:] = 0.0
     for i in range(table.row.shape[0]):
         kind = table.row[i, ROW_KIND]
-        out.rhs[i] = 0.0
         if kind == PRODUCT or kind == TWIST:
             turn_row(table, attachments, i, out)
         elif kind == RELATION or kind == RATE_RELATION:
