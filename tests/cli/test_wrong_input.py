@@ -86,7 +86,7 @@ MISTAKES = {
     "unknown node set": ("nodes: root", "nodes: §roott", "bodies.bar.attachments.root.nodes", "unknown node set 'roott'", "did you mean 'root'?"),
     "negative density": ("7850", "§-7850", "materials.steel.density", "greater than 0, found -7850", "density (kg/m³)"),
     "elastic body joined without attachment": ("bar.root]", "§bar]", "joints.weld.between.1", "held at attachments only", "bar.root, bar.tip"),
-    "reduction": ("  material: steel", "  reduction: §{method: craig-bampton, modes: 12}\n    material: steel", "bodies.bar.reduction", "not built yet", "reduction: none"),
+    "reduction": ("  material: steel", "  reduction: {method: craig-bampton, modes: §900}\n    material: steel", "bodies.bar.reduction.modes", "900 modes are asked for; with its attachments held the body has", "fewer"),
     "geometric stiffening": ("  material: steel", "  geometric_stiffening: §true\n    material: steel", "bodies.bar.geometric_stiffening", "not built yet", "geometric_stiffening: false"),
     "automatic step": ("step: 1e-3", "step: §auto", "simulation.step", "not built yet", "such as 1e-5"),
     "run shorter than a step": ("duration: 4e-3, step: 1e-3", "duration: 4e-4, step: §1e-3", "simulation.step", "longer than the duration 0.0004 s", "shorten the step"),

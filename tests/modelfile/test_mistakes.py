@@ -86,8 +86,15 @@ CASES = [
     ("  rod:\n    kind: elastic\n", "  §rod:\n", "bodies.rod.kind", "missing key 'kind'", "rigid, elastic or ritz"),
     ("type: revolute", "type: §revolut", "joints.bearing.type", "unknown type 'revolut'", "did you mean 'revolute'?"),
     ("coupling: average", "coupling: §averge", "bodies.rod.attachments.small_end.coupling", "found 'averge'", "did you mean 'average'?"),
+    # reductions
+    ("reduction: none", "reduction: §guyan", "bodies.rod.reduction", "unknown reduction 'guyan'", "{method: craig-bampton, modes: 12}"),
+    ("reduction: none", "reduction: §3", "bodies.rod.reduction", "unknown reduction 3", "write none"),
+    ("reduction: none", "reduction: §{modes: 3}", "bodies.rod.reduction.method", "missing key 'method'", "craig-bampton"),
+    ("reduction: none", "reduction: {method: §guyan, modes: 3}", "bodies.rod.reduction.method", "unknown method 'guyan'", "craig-bampton"),
+    ("reduction: none", "reduction: §{method: craig-bampton}", "bodies.rod.reduction.modes", "missing key 'modes'", ""),
+    ("reduction: none", "reduction: {method: craig-bampton, modes: §-1}", "bodies.rod.reduction.modes", "whole number from 0 to 1000, found -1", ""),
+    ("reduction: none", "reduction: {method: craig-bampton, modes: §1.5}", "bodies.rod.reduction.modes", "found 1.5", ""),
     # not built yet
-    ("reduction: none", "reduction: §{method: craig-bampton}", "bodies.rod.reduction", "reduction of a body is not built yet", "reduction: none"),
     ("stiffening: false", "stiffening: §true", "bodies.rod.geometric_stiffening", "geometric stiffening is not built yet, found true", "false"),
     ("step: 1e-5", "step: §auto", "simulation.step", "an automatic step is not built yet", "such as 1e-5"),
     ("generalized-alpha", "§radau", "simulation.method", "another method is not built yet, found 'radau'", "generalized-alpha"),

@@ -1,4 +1,7 @@
-"""The audit of a model: it is assembled but nothing is factorised, and what it is comes out as data and as text."""
+"""The audit of a model: it is assembled, and what it is comes out as data and as text.
+
+Nothing is factorised but for the shapes of bodies with a reduction.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import numpy as np
 
 from maggi.bodies.mesh_body import MeshBody
 from maggi.bodies.motions import prescribe
+from maggi.bodies.reduced import ReducedBody
 from maggi.bodies.tables import MotionState
 from maggi.mesh.set_geometry import set_geometry
 from maggi.model.errors import ModelError
@@ -22,13 +26,14 @@ from .audit_report import (
     ForceReport,
     LiaisonReport,
     NodeSetReport,
+    ReductionReport,
 )
 from .connections import force_ends, loose_parts, unused_attachments
 from .first_instant import frames_at_start
 from .initial import initial_motion
 from .mobility import SINGULAR, mobility
 from .recorder import Progress
-from .snapshot import KINDS, visible_liaisons
+from .snapshot import body_kind, visible_liaisons
 
 
 def audit(model: Model, progress: Progress | None = None) -> Audit:
@@ -59,8 +64,8 @@ def audit(model: Model, progress: Progress | None = None) -> Audit:
     notes += [
         f"{body.name}: {note}"
         for body in system.body_entries
-        if body.index in system.mesh_bodies
-        for note in system.mesh_bodies[body.index].mesh.notes
+        if (mesh := system.mesh(body.index)) is not None
+        for note in mesh.mesh.notes
     ]
     if model.simulation is None:
         notes.append("there is no `simulation:`, which `maggi run` needs")
@@ -94,7 +99,7 @@ def _body(system: System, entry: BodyEntry) -> BodyReport:
     center = table.S0[b] / mass if mass > 0.0 else np.zeros(3)
     inertia = table.J0[b] - mass * (center @ center * np.eye(3) - np.outer(center, center))
     elastic = int(table.offset[b + 1] - table.offset[b]) - 6
-    mesh = system.mesh_bodies.get(b)
+    mesh, reduced = system.mesh(b), system.reduced.get(b)
     floating = 6 * int(table.floating[b])
     attachments = []
     for place in system.attachment_entries:
@@ -105,17 +110,32 @@ def _body(system: System, entry: BodyEntry) -> BodyReport:
             attachments.append(AttachmentReport(place.name, position, point, members, coupling))
     return BodyReport(
         entry.name,
-        KINDS.get(int(table.kind[b]), "rigid"),
+        body_kind(system, b),
         "floating" if floating else "prescribed",
         mass,
         start.origin[b] + start.rotation[b] @ center,
         inertia,
-        floating + elastic if mesh is None else mesh.size,
+        floating + elastic if mesh is None or reduced is not None else mesh.size,
         None if mesh is None else mesh.mesh.bounding_box(),
         0 if mesh is None else mesh.mesh.n_nodes,
         {} if mesh is None else {kind: len(cells) for kind, cells in mesh.mesh.cells.items()},
         tuple(attachments),
         () if mesh is None else tuple(_node_sets(mesh)),
+        None if reduced is None else _reduction(reduced),
+    )
+
+
+def _reduction(body: ReducedBody) -> ReductionReport:
+    shapes = body.shapes
+    elastic = shapes.frequencies[shapes.rigid :]
+    return ReductionReport(
+        shapes.method,
+        body.body.size,
+        len(shapes.held),
+        float(shapes.held[-1]) if shapes.held.size else None,
+        shapes.interface,
+        len(shapes.frequencies),
+        (float(elastic[0]), float(elastic[-1])) if elastic.size else None,
     )
 
 

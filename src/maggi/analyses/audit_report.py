@@ -42,8 +42,26 @@ class AttachmentReport:
 
 
 @dataclass(frozen=True, eq=False)
+class ReductionReport:
+    """What a mesh of so many freedoms was reduced to.
+
+    modes : modes with the attachments held, up to highest (Hz; None without modes). interface : motions of the
+    attachments. coordinates : shapes in all. range : lowest and highest frequency (Hz) of the body that has only these
+    shapes and that nothing holds; None on a prescribed frame without elastic shapes.
+    """
+
+    method: str
+    freedoms: int
+    modes: int
+    highest: float | None
+    interface: int
+    coordinates: int
+    range: tuple[float, float] | None
+
+
+@dataclass(frozen=True, eq=False)
 class BodyReport:
-    """A body: kind ``rigid``, ``ritz`` or ``mesh``; frame ``floating`` or ``prescribed``.
+    """A body: kind ``rigid``, ``ritz``, ``mesh`` or ``reduced``; frame ``floating`` or ``prescribed``.
 
     mass, kg; center_of_mass (3,), global, m; inertia (3, 3) about it, body axes, kg m²; both undeformed. freedoms:
     velocities without liaisons. bounding_box: lowest and highest corner, body frame, m; cells by type.
@@ -61,6 +79,7 @@ class BodyReport:
     cells: Mapping[str, int]
     attachments: tuple[AttachmentReport, ...]
     node_sets: tuple[NodeSetReport, ...]
+    reduction: ReductionReport | None = None
 
 
 @dataclass(frozen=True, eq=False)

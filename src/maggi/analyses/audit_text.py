@@ -7,10 +7,13 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from .audit_report import Audit, BodyReport, LiaisonReport, NodeSetReport
+from .audit_report import Audit, BodyReport, LiaisonReport, NodeSetReport, ReductionReport
 from .mobility import Mobility, Redundant
 
 Array = NDArray[np.float64]
+
+
+_KINDS = {"mesh": "elastic, full mesh", "reduced": "elastic, reduced", "ritz": "elastic, shape functions"}
 
 
 def audit_text(audit: Audit) -> str:
@@ -40,7 +43,7 @@ def _section(title: str, lines: Iterable[str]) -> Iterator[str]:
 
 
 def _body(body: BodyReport, size: float) -> Iterator[str]:
-    kind = {"mesh": "elastic, full mesh", "ritz": "elastic, shape functions"}.get(body.kind, body.kind)
+    kind = _KINDS.get(body.kind, body.kind)
     frame = "" if body.frame == "floating" else ", prescribed frame"
     yield f"{body.name} ({kind}{frame}): {_count(body.freedoms, 'freedom')}"
     yield f"  mass {body.mass:.6g} kg, centre of mass {_vector(body.center_of_mass, size)} m (global)"
@@ -50,12 +53,25 @@ def _body(body: BodyReport, size: float) -> Iterator[str]:
         low, high = body.bounding_box
         cells = ", ".join(f"{count:,} {kind}" for kind, count in body.cells.items())
         yield f"  mesh: {_count(body.nodes, 'node')}, {cells}; from {_vector(low, size)} to {_vector(high, size)} m (body frame)"
+    if body.reduction is not None:
+        yield f"  reduction: {_reduction(body.reduction)}"
     yield from (f"  {line}" for line in _table(_node_set(one, size) for one in body.node_sets))
     rows = []
     for one in body.attachments:
         held = f"{_count(one.nodes, 'node')}, {one.coupling}" if one.coupling else ""
         rows.append((f"attachment {one.name}", f"at {_vector(one.position, size)} m (global)", held))
     yield from (f"  {line}" for line in _table(rows))
+
+
+def _reduction(one: ReductionReport) -> str:
+    highest = "" if one.highest is None else f" up to {one.highest:.5g} Hz"
+    text = (
+        f"{one.method}, {_count(one.freedoms, 'freedom')} to {_count(one.coordinates, 'coordinate')}: "
+        f"{_count(one.modes, 'mode')} with the attachments held{highest}, {_count(one.interface, 'interface freedom')}"
+    )
+    if one.range is None:
+        return text
+    return f"{text}; together {one.range[0]:.5g} to {one.range[1]:.5g} Hz, free"
 
 
 def _node_set(one: NodeSetReport, size: float) -> tuple[str, ...]:

@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from maggi.model.bodies import ElasticBody
 from maggi.model.model import Model
 from maggi.system.build import build_system
 
 from .first_instant import frames_at_rest
 from .scene import Scene, SceneAttachment, SceneBody, SceneJoint
-from .snapshot import KINDS, visible_liaisons
+from .snapshot import body_kind, visible_liaisons
 
 
 def build_scene(model: Model) -> Scene:
     """What a drawing of the mechanism in its initial pose needs.
 
     Joints are drawn as they are given: gaps between their ends stay visible. Raises ModelError for whatever cannot
-    be built, naming the body, joint or force.
+    be built, naming the body, joint or force. Reductions are not carried out: undeformed bodies look the same.
     """
-    system = build_system(model, recorded=frames_at_rest(model))
+    bodies_as_meshes = {
+        name: replace(body, reduction=None) if isinstance(body, ElasticBody) else body
+        for name, body in model.bodies.items()
+    }
+    system = build_system(replace(model, bodies=bodies_as_meshes), recorded=frames_at_rest(model))
     table, start = system.bodies, system.start
     bodies = []
     for entry in system.body_entries:
@@ -30,7 +37,7 @@ def build_scene(model: Model) -> Scene:
         bodies.append(
             SceneBody(
                 entry.name,
-                KINDS.get(int(table.kind[b]), "rigid"),
+                body_kind(system, b),
                 start.origin[b],
                 start.rotation[b],
                 start.origin[b] + start.rotation[b] @ center,

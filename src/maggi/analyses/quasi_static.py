@@ -70,14 +70,15 @@ class QuasiStatic:
         change = previous = np.inf
         loads = self._loads(self._undeformed(motion), t)
         for _ in range(ATTEMPTS):
-            before, previous = motion.e.copy(), change
+            before, previous = (motion.e.copy(), *fields.values()), change
             try:
                 fields = self._improve(motion, t, moving, fields, loads)
             except np.linalg.LinAlgError:  # of equations that are no longer finite
                 change = np.inf
                 break
-            reach = max([float(np.abs(part).max(initial=0.0)) for part in (motion.e, *fields.values())])
-            change = float(np.abs(motion.e - before).max(initial=0.0))
+            after = (motion.e, *fields.values())
+            reach = max(float(np.abs(part).max(initial=0.0)) for part in after)
+            change = max(float(np.abs(b - a).max(initial=0.0)) for a, b in zip(before, after, strict=True))
             if not np.isfinite(change):
                 break
             # what no longer falls is round-off, of joints that hold stiff bodies against each other, too
@@ -237,7 +238,7 @@ class QuasiStatic:
                 q = int(bodies.ritz_square[body.index])
                 k = bodies.k[q : q + n * n].reshape(n, n)
                 inertia = residual[o + 6 : e] - k @ motion.e[o + 6 : e]
-                free[body.index] = (np.empty(0), -body.W @ inertia, np.empty(0))
+                free[body.index] = (np.empty(0), -body.W @ inertia, body.rigid.T @ inertia)
                 continue
             mesh = self._meshes[body.index]
             zero = np.zeros(mesh.body.size)
@@ -253,6 +254,9 @@ class QuasiStatic:
 
     def _static(self, b: int) -> _Static:
         bodies = self._system.bodies
+        if b in self._system.reduced:
+            reduced = self._system.reduced[b]
+            return _Static(b, reduced.static_compliance(), reduced.rigid_motions())
         if b not in self._meshes:
             n = int(bodies.offset[b + 1] - bodies.offset[b]) - 6
             q = int(bodies.ritz_square[b])

@@ -16,9 +16,10 @@ IntArray = NDArray[np.int64]
 class BodyLayout:
     """One body as the results describe it.
 
-    kind: ``rigid``, ``mesh`` or ``ritz``. attachments: their names, in order; at (a, 3): where they are on the
-    undeformed body, body frame, m. For a mesh body `nodes` (n, 3), body frame, and `cells` by type (n_cells, nodes
-    per cell). For a Ritz body `modes` is the number of its coordinates.
+    kind: ``rigid``, ``mesh``, ``reduced`` or ``ritz``. attachments: their names, in order; at (a, 3): where they are on
+    the undeformed body, body frame, m. For a body with a mesh `nodes` (n, 3), body frame, and `cells` by type (n_cells,
+    nodes per cell). For a Ritz or reduced body `modes` is the number of its coordinates, and for a reduced one `basis`
+    (n, 3, modes) the nodal displacements of each.
     """
 
     name: str
@@ -28,6 +29,7 @@ class BodyLayout:
     nodes: Array | None = None
     cells: dict[str, IntArray] | None = None
     modes: int = 0
+    basis: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ class Row:
     Per body (n_bodies first): origin (b, 3), rotation (b, 3, 3) body to global. Per attachment, in the order
     of the layout, body by body: position (a, 3), attachment_rotation (a, 3, 3), velocity (a, 3),
     angular_velocity (a, 3). displacement: for each mesh body nodal displacements (n_nodes, 3), body frame;
-    modal: for each Ritz body its coordinates (modes,). Per joint (drivers included): joint_position (j, 3), its point
+    modal: for each Ritz or reduced body its coordinates (modes,). Per joint (drivers included): joint_position (j, 3), its point
     on the second body, force (j, 3), torque (j, 3) about that point, and coordinate: one array (k,) per joint, k as
     in the layout. energy: kinetic, strain, gravity, dissipated, work (J). residuals: position, velocity,
     acceleration, scaled. iterations: back-substitutions or Newton iterations of the last step.

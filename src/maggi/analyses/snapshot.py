@@ -16,7 +16,12 @@ from .recorder import BodyLayout, JointLayout, Layout, Row
 
 Array = NDArray[np.float64]
 
-KINDS = {RITZ: "ritz", MESH: "mesh"}
+_KINDS = {RITZ: "ritz", MESH: "mesh"}
+
+
+def body_kind(system: System, body: int) -> str:
+    """What the results call a body, by its row: ``rigid``, ``mesh``, ``reduced`` or ``ritz``."""
+    return "reduced" if body in system.reduced else _KINDS.get(int(system.bodies.kind[body]), "rigid")
 
 
 def layout(system: System, rows: int, attributes: dict[str, str | float | int]) -> Layout:
@@ -25,8 +30,8 @@ def layout(system: System, rows: int, attributes: dict[str, str | float | int]) 
     for entry in system.body_entries:
         if not entry.visible:
             continue
-        mesh = system.mesh_bodies.get(entry.index)
-        kind = KINDS.get(int(system.bodies.kind[entry.index]), "rigid")
+        mesh, reduced = system.mesh(entry.index), system.reduced.get(entry.index)
+        kind = body_kind(system, entry.index)
         attachments = [a for a in system.attachment_entries if a.body == entry.name]
         bodies.append(
             BodyLayout(
@@ -36,7 +41,8 @@ def layout(system: System, rows: int, attributes: dict[str, str | float | int]) 
                 system.bodies.attachment_point[[a.index for a in attachments]].reshape(-1, 3),
                 nodes=None if mesh is None else mesh.mesh.nodes,
                 cells=None if mesh is None else mesh.mesh.cells,
-                modes=_elastic(system, entry.index) if kind == "ritz" else 0,
+                modes=_elastic(system, entry.index) if kind in ("ritz", "reduced") else 0,
+                basis=None if reduced is None else reduced.nodal_basis(),
             )
         )
     joints = tuple(
@@ -127,15 +133,19 @@ class Snapshots:
         return result
 
     def largest_rotation(self) -> tuple[float, str]:
-        """The largest elastic rotation |θ| (rad) of a mesh attachment, and which attachment it is."""
+        """The largest elastic rotation |θ| (rad) of a meshed body's attachment, and which attachment it is."""
         system, e = self._stepper.system, self._stepper.state.now.e
         largest, name = 0.0, ""
-        for index, mesh in self._meshes.items():
-            o = system.bodies.offset[index] + 6
-            for k, coupling in enumerate(mesh.body.couplings):
-                angle = float(np.linalg.norm(e[o + 6 * k + 3 : o + 6 * k + 6]))
+        for index in (*self._meshes, *system.reduced):
+            body = system.mesh(index)
+            assert body is not None
+            turns = e[system.bodies.offset[index] + 6 : system.bodies.offset[index + 1]]
+            if index in system.reduced:
+                turns = (system.reduced[index].psi @ turns).ravel()
+            for k, coupling in enumerate(body.couplings):
+                angle = float(np.linalg.norm(turns[6 * k + 3 : 6 * k + 6]))
                 if angle > largest:
-                    largest, name = angle, f"{mesh.body.name}.{coupling.name}"
+                    largest, name = angle, f"{body.name}.{coupling.name}"
         return largest, name
 
     def _joint_forces(self) -> tuple[Array, Array]:

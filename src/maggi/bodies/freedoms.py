@@ -60,6 +60,11 @@ class Freedoms:
         _expand(self.node_block, self.tied, self.master, self.arm, x.reshape(-1, 3), out)
         return out
 
+    def expand_many(self, columns: Array) -> Array:
+        """Nodal fields (n, 3, k) of k columns of freedoms (3 · blocks, k)."""
+        fields = columns if self.tied.size == 0 else self.matrix() @ columns
+        return np.ascontiguousarray(fields).reshape(-1, 3, columns.shape[1])
+
     def reduce(self, force: Array, out: Array) -> None:
         """Generalised forces (3 · blocks,) of nodal forces (n, 3): the transpose of `expand`."""
         _reduce(self.node_block, self.tied, self.master, self.arm, force, out.reshape(-1, 3))

@@ -10,6 +10,7 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from maggi.elements.beam import BeamTerms
+from maggi.elements.moving_frame import InertiaConstants, contracted
 from maggi.elements.products import mass_product
 from maggi.linalg.vectors import cross
 
@@ -39,6 +40,9 @@ class MeshInertia(Protocol):
 
     def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
         """Kinetic energy (J); v, w: the frame's twist, body axes."""
+
+    def constants(self, basis: Array) -> InertiaConstants:
+        """The constants of T3 and T5a for coordinates e that the freedoms follow, ``u = basis e``; basis (nd, n)."""
 
 
 class IsotropicInertia:
@@ -79,6 +83,21 @@ class IsotropicInertia:
     def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
         velocity = v + np.cross(w, self._nodes + self._expand(u, self._u)) + self._expand(ud, self._ud)
         return float(0.5 * np.sum(velocity * (self._mu @ velocity)))
+
+    def constants(self, basis: Array) -> InertiaConstants:
+        fields = self._freedoms.expand_many(basis)
+        n = basis.shape[1]
+        P, Q = np.empty((3, 3, n, n)), np.empty((3, 3, n))
+        for i in range(3):
+            component = np.ascontiguousarray(fields[:, i])
+            Q[i] = self._mass_nodes.T @ component
+            weighted = self._mu @ component
+            for j in range(i, 3):
+                P[j, i] = fields[:, j].T @ weighted
+                P[i, j] = P[j, i].T
+            P[i, i] = 0.5 * (P[i, i] + P[i, i].T)
+        m_O = np.einsum("p,pia->ai", self._weights, fields)
+        return contracted(np.array(self.mass), self.S0, self.J0, m_O, P, Q)
 
     def _expand(self, x: Array, out: Array) -> Array:
         return self._freedoms.expand(x, out)
@@ -132,6 +151,26 @@ class BeamInertia:
         angular = cross(S, v) + J @ w + self._s @ ud + self._scalars[9:12]
         relative = self._m_O.T @ ud @ v + (self._s @ ud + self._scalars[9:12]) @ w + ud @ scratch
         return float(0.5 * (v @ linear + w @ angular + relative))
+
+    def constants(self, basis: Array) -> InertiaConstants:
+        products = [basis.T @ (self._block_matrix(i) @ basis) for i in range(13)]
+        m, n = products[0], basis.shape[1]
+        return InertiaConstants(
+            mass=np.array(self.mass),
+            S0=self.S0,
+            J0=self.J0,
+            m=0.5 * (m + m.T),
+            m_O=basis.T @ self._m_O,
+            G=np.array(products[1:4]),
+            H=np.array(products[4:]).reshape(3, 3, n, n),
+            s=self._s @ basis,
+            s2=self._s2 @ basis,
+        )
+
+    def _block_matrix(self, i: int) -> sp.bsr_matrix:
+        """M, G_1 … G_3, H_11, H_12 … H_33 by number."""
+        shape = self.matrix.shape
+        return sp.bsr_matrix((np.ascontiguousarray(self._blocks[:, i]), self._indices, self._indptr), shape=shape)
 
     def _inertia(self, u: Array, quadratic: Array) -> Array:
         linear = self._s2 @ u

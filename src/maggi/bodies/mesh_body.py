@@ -61,6 +61,16 @@ class MeshBody:
             return u.reshape(-1, 6)[:, :3].copy()
         return self.freedoms.expand(u, np.empty((self.mesh.n_nodes, 3))).copy()
 
+    def nodal_displacements(self, columns: Array) -> Array:
+        """Displacements (n_nodes, 3, k) of the mesh's nodes for k columns of freedoms (nd, k), body frame."""
+        if self.freedoms is None:
+            return np.ascontiguousarray(columns.reshape(-1, 6, columns.shape[1])[:, :3])
+        return self.freedoms.expand_many(columns)
+
+    def without_rigid_motion(self, columns: Array) -> Array:
+        """Fields (nd, k) less the rigid motion that mean axes put into the frame: P of Eq. T6."""
+        return np.asarray(columns - self.Phi @ np.linalg.solve(self.J6, self.C.T @ columns))
+
 
 def build_mesh_body(name: str, body: ElasticBody, folder: str) -> MeshBody:
     """Read or make the mesh, assemble it and attach its attachments.

@@ -100,17 +100,31 @@ def inertia_constants(N: Array, r: Array, weights: Array) -> InertiaConstants:
     Leading axes are elements and broadcast: solid cells share one N.
     """
     weighted = weights[..., None, None] * N
-    # All else is a contraction of ∫ρ N_ia N_jb dV and ∫ρ N_ia r_j dV with constant tensors.
     P = np.einsum("...pia,...pjb->...ijab", weighted, N, optimize=True)
     Q = np.einsum("...pia,...pj->...ija", weighted, r, optimize=True)
     second = np.einsum("...p,...pi,...pj->...ij", weights, r, r)
     trace = np.einsum("...ii->...", second)
-    return InertiaConstants(
+    return contracted(
         mass=weights.sum(axis=-1),
         S0=np.einsum("...p,...pi->...i", weights, r),
         J0=trace[..., None, None] * np.eye(3) - second,
-        m=np.einsum("...iiab->...ab", P),
         m_O=np.einsum("...pia->...ai", weighted),
+        P=P,
+        Q=Q,
+    )
+
+
+def contracted(mass: Array, S0: Array, J0: Array, m_O: Array, P: Array, Q: Array) -> InertiaConstants:
+    """The constants that contract the products of shape functions with constant tensors, and the others as they are.
+
+    P : ``∫ρ N_ia N_jb dV`` (…, 3, 3, n, n). Q : ``∫ρ N_ia r_j dV`` (…, 3, 3, n).
+    """
+    return InertiaConstants(
+        mass=mass,
+        S0=S0,
+        J0=J0,
+        m=np.einsum("...iiab->...ab", P),
+        m_O=m_O,
         G=np.einsum("kij,...ijab->...kab", SKEW, P),
         H=np.einsum("klij,...ijab->...klab", SKEW2, P),
         s=np.einsum("kij,...ija->...ka", SKEW, Q),

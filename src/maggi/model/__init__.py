@@ -3,6 +3,7 @@
 from .attachments import Attachment, BoxSet, NamedSet, NodeSelection, PlaneSet, PointMass
 from .bodies import (
     Body,
+    CraigBampton,
     ElasticBody,
     FrameMotion,
     GivenMotion,
@@ -55,6 +56,7 @@ __all__ = [
     "BoxSet",
     "Cam",
     "Coupler",
+    "CraigBampton",
     "Curve",
     "Damping",
     "Distance",

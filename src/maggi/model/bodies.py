@@ -45,6 +45,17 @@ FrameMotion = GivenMotion | RigidRunMotion
 
 
 @dataclass(frozen=True)
+class CraigBampton:
+    """A reduction to the lowest `modes` with the attachments held, and the static shapes of the attachments' motions.
+
+    With no modes it is static condensation. Craig, Bampton: Coupling of substructures for dynamic analyses, AIAA
+    Journal 6 (1968) 1313–1319.
+    """
+
+    modes: int
+
+
+@dataclass(frozen=True)
 class RigidBody:
     """A rigid body: mass (kg), centre of mass (body frame, m), inertia tensor about it (body axes, kg m²).
 
@@ -62,7 +73,10 @@ class RigidBody:
 
 @dataclass(frozen=True)
 class ElasticBody:
-    """An elastic body with its full mesh, on a floating frame (`motion` None) or a prescribed one."""
+    """An elastic body from a mesh, on a floating frame (`motion` None) or a prescribed one.
+
+    `reduction` None: the full mesh moves.
+    """
 
     mesh: MeshSource
     material: Material | None
@@ -70,6 +84,7 @@ class ElasticBody:
     velocity: Velocity = field(default_factory=Velocity)
     attachments: Mapping[str, Attachment] = field(default_factory=lambda: NO_ATTACHMENTS)
     motion: FrameMotion | None = None
+    reduction: CraigBampton | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -128,7 +128,7 @@ def _shape_columns(layout: Layout) -> Iterator[Column]:
         path = f"bodies/{body.name}/displacement"
         text = "nodal displacements from the undeformed mesh, body frame"
         yield Column(path, "displacement", i, None, (len(body.nodes), 3), "m", text)
-    for i, body in enumerate(ritz_bodies(layout)):
+    for i, body in enumerate(modal_bodies(layout)):
         path = f"bodies/{body.name}/modal"
         yield Column(path, "modal", i, None, (body.modes,), "m", "coordinates of the shape functions")
 
@@ -151,9 +151,9 @@ def mesh_bodies(layout: Layout) -> tuple[BodyLayout, ...]:
     return tuple(body for body in layout.bodies if body.kind == "mesh")
 
 
-def ritz_bodies(layout: Layout) -> tuple[BodyLayout, ...]:
-    """The bodies with coordinates of shape functions, in the order of `Row.modal`."""
-    return tuple(body for body in layout.bodies if body.kind == "ritz")
+def modal_bodies(layout: Layout) -> tuple[BodyLayout, ...]:
+    """The bodies with coordinates of shapes, in the order of `Row.modal`."""
+    return tuple(body for body in layout.bodies if body.kind in ("ritz", "reduced"))
 
 
 def constants(layout: Layout) -> tuple[Constant, ...]:
@@ -163,6 +163,9 @@ def constants(layout: Layout) -> tuple[Constant, ...]:
         for name, point in zip(body.attachments, body.at, strict=True):
             text = "point of the attachment on the undeformed body, body frame"
             listed.append(Constant(f"bodies/{body.name}/attachments/{name}/at", point, "m", text))
+        if body.basis is not None:
+            text = "nodal displacements of every coordinate, body frame: displacement = basis · modal"
+            listed.append(Constant(f"bodies/{body.name}/basis", body.basis, "1", text))
         if body.nodes is None:
             continue
         at = f"bodies/{body.name}/mesh"

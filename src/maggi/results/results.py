@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from maggi.model.errors import ModelError
 
 from .contract import ENERGIES
+from .recovered import Recovered
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -85,6 +86,7 @@ class Results:
 
     def __init__(self, source: Source) -> None:
         self._source = source
+        self._displacements: dict[str, Recovered] = {}
 
     @property
     def name(self) -> str:
@@ -155,8 +157,8 @@ class Results:
         return ResidualResults(self)
 
     def has(self, path: str) -> bool:
-        """Whether the table at a path of the contract was kept, such as ``bodies/rod/displacement``."""
-        return self._source.table(path) is not None
+        """Whether the table at a path of the contract was kept or can be recovered, such as ``bodies/rod/displacement``."""
+        return self._find(path) is not None
 
     def series(self, path: str) -> Array:
         """The table at a path of the contract, such as ``joints/motor/torque``, whole: (n, ...).
@@ -189,13 +191,25 @@ class Results:
         self.close()
 
     def _table(self, path: str) -> Table:
-        table = self._source.table(path)
+        table = self._find(path)
         if table is None:
             raise ModelError(
                 f"{self.name} holds no {path}",
                 remedy="it was not kept (outputs.quantities), or this kind of body or joint does not have it",
             )
         return table
+
+    def _find(self, path: str) -> Table | None:
+        table = self._source.table(path)
+        body, _, name = path.rpartition("/")
+        if table is not None or name != "displacement":
+            return table
+        if body not in self._displacements:
+            modal, basis = (self._source.table(f"{body}/{part}") for part in ("modal", "basis"))
+            if modal is None or basis is None:
+                return None
+            self._displacements[body] = Recovered(modal, basis)
+        return self._displacements[body]
 
     def _frames(self, path: str) -> Frames:
         return Frames(self._table(path), self._source.rows)
@@ -214,7 +228,7 @@ class BodyResults:
 
     @property
     def kind(self) -> str:
-        """``rigid``, ``mesh`` or ``ritz``."""
+        """``rigid``, ``mesh``, ``reduced`` or ``ritz``."""
         return str(self._results._source.attributes(self._path).get("kind", ""))
 
     @property
@@ -229,13 +243,21 @@ class BodyResults:
 
     @property
     def displacement(self) -> Frames:
-        """Nodal displacements (n, nodes, 3), body frame, m; read frame by frame, for they may be large."""
+        """Nodal displacements (n, nodes, 3), body frame, m; read frame by frame, for they may be large.
+
+        Those of a reduced body are recovered from `modal` and `basis`.
+        """
         return self._results._frames(f"{self._path}/displacement")
 
     @property
     def modal(self) -> Array:
-        """Coordinates of a Ritz body's shape functions (n, modes)."""
+        """Coordinates of the shapes of a Ritz or reduced body (n, modes)."""
         return self._results._array(f"{self._path}/modal")
+
+    @property
+    def basis(self) -> Array:
+        """Nodal displacements (nodes, 3, modes) of each coordinate of a reduced body, body frame."""
+        return np.asarray(self._results._table(f"{self._path}/basis")[:])
 
     @property
     def nodes(self) -> Array:

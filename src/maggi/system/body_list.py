@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maggi.bodies.mesh_body import MeshBody
+from maggi.bodies.reduced import ReducedBody
 from maggi.bodies.tables import FIXED, MESH, RIGID, RITZ, BodyTable, MotionState
 from maggi.elements.ritz import ritz_terms
 from maggi.linalg.rotations import rotation_matrix
@@ -63,6 +64,11 @@ class BodyList:
         """A meshed body, with six elastic coordinates for every attachment."""
         inertia = body.inertia
         return self._add(MESH, body.floating, 6 * len(body.couplings), inertia.mass, inertia.S0, inertia.J0, None, pose)
+
+    def add_reduced(self, body: ReducedBody, pose: tuple[Array, Array]) -> int:
+        """A meshed body on a few shapes, which is a Ritz body."""
+        terms = body.terms
+        return self._add(RITZ, body.body.floating, len(terms.m), terms.mass, terms.S0, terms.J0, terms, pose)
 
     def add_rigidified(self, body: MeshBody, pose: tuple[Array, Array]) -> int:
         """A meshed body as a rigid one."""

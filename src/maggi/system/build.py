@@ -8,8 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from maggi.bodies.complete import complete
+from maggi.bodies.craig_bampton import craig_bampton
 from maggi.bodies.mesh_body import MeshBody, build_mesh_body
 from maggi.bodies.motions import MotionTable
+from maggi.bodies.reduced import ReducedBody, reduce_body
 from maggi.forces.tables import ForceTable
 from maggi.liaisons.registry import JOINTS
 from maggi.model.bodies import Body, ElasticBody, GivenMotion, RigidBody, RigidRunMotion, RitzBody
@@ -46,17 +49,19 @@ def build_system(
     *,
     recorded: Mapping[str, RecordedMotion] | None = None,
     rigid: frozenset[str] = frozenset(),
+    dense: bool = False,
     meshes: dict[str, MeshBody] | None = None,
     announce: Announce = lambda text: None,
 ) -> System:
     """Everything a computation needs, from a description.
 
     recorded : motions for bodies whose frame moves as in another run. rigid : elastic bodies to be taken as
-    rigid. meshes : meshed bodies already built, by name; those built here are added. announce : told what takes long.
+    rigid. dense : full meshes become bodies with as many elastic coordinates as their motions span, so that the whole
+    system is small and dense; for small meshes. meshes : meshed bodies already built, by name; those built here are added. announce : told what takes long.
 
     Raises ModelError for whatever cannot be built, naming the body, joint or force.
     """
-    return _Builder(model, recorded or {}, rigid, {} if meshes is None else meshes, announce).build()
+    return _Builder(model, recorded or {}, rigid, dense, {} if meshes is None else meshes, announce).build()
 
 
 class _Builder:
@@ -67,12 +72,14 @@ class _Builder:
         model: Model,
         recorded: Mapping[str, RecordedMotion],
         rigid: frozenset[str],
+        dense: bool,
         meshes: dict[str, MeshBody],
         announce: Announce,
     ) -> None:
         self._model = model
         self._recorded = recorded
         self._rigid = rigid
+        self._dense = dense
         self._meshes = meshes
         self._announce = announce
         self._bodies = BodyList()
@@ -82,6 +89,7 @@ class _Builder:
         self._body_entries: list[BodyEntry] = []
         self._attachment_entries: list[AttachmentEntry] = []
         self._mesh_bodies: dict[int, MeshBody] = {}
+        self._reduced: dict[int, ReducedBody] = {}
         self._given: list[tuple[int, GivenMotion, Array, Array]] = []
         self._replayed: list[tuple[int, RecordedMotion]] = []
 
@@ -110,6 +118,7 @@ class _Builder:
             tuple(self._attachment_entries),
             entries,
             self._mesh_bodies,
+            self._reduced,
             size,
             self._bodies.inertia_floor(size),
             self._bodies.start(),
@@ -144,8 +153,12 @@ class _Builder:
             mesh = self._meshes[name] = build_mesh_body(name, body, self._model.folder)
         motion = body.motion
         pose = initial_pose(body.pose, motion if isinstance(motion, GivenMotion) else None)
+        reduced = self._reduce(name, body, mesh)
         if name in self._rigid:
             index = self._bodies.add_rigidified(mesh, pose)
+        elif reduced is not None:
+            index = self._bodies.add_reduced(reduced, pose)
+            self._reduced[index] = reduced
         else:
             index = self._bodies.add_mesh(mesh, pose)
             self._mesh_bodies[index] = mesh
@@ -158,6 +171,8 @@ class _Builder:
             if index in self._mesh_bodies:
                 psi = np.zeros((6, 6 * count))
                 psi[:, 6 * k : 6 * k + 6] = np.eye(6)
+            elif reduced is not None:
+                psi = reduced.psi[k]
             self._attach(name, coupling.name, index, coupling.point, psi)
         if motion is None or name in self._rigid:
             return
@@ -180,6 +195,15 @@ class _Builder:
                 (f"{name}.frame", f"{name}.{held}"),
                 visible=False,
             )
+
+    def _reduce(self, name: str, body: ElasticBody, mesh: MeshBody) -> ReducedBody | None:
+        """The body on its shapes; None where it is rigid or its full mesh moves."""
+        if name in self._rigid or (body.reduction is None and not self._dense):
+            return None
+        self._announce(f"reducing {name} ({mesh.size:,} freedoms)")
+        if body.reduction is None:
+            return reduce_body(mesh, complete(mesh, f"bodies.{name}"))
+        return reduce_body(mesh, craig_bampton(mesh, body.reduction.modes, f"bodies.{name}.reduction"))
 
     def _name(self, name: str, index: int) -> None:
         self._places.add_body(name, index)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from maggi.bodies.mesh_body import MeshBody
 from maggi.bodies.motions import MotionTable
+from maggi.bodies.reduced import ReducedBody
 from maggi.bodies.tables import BodyTable, MotionState
 from maggi.forces.tables import ForceTable
 from maggi.liaisons.callbacks import RowFunction
@@ -64,7 +65,8 @@ class System:
 
     size: the mechanism's extent (m), the length that position residuals are scaled with.
     inertia_floor (b,): kg m², see `stepping.kernels.compliances`. start: the motion at the initial pose.
-    mesh_bodies: by row in the tables. row_functions: Python functions whose addresses the liaison table holds.
+    mesh_bodies, reduced: by row in the tables; of a reduced body the elastic coordinates are those of its shapes.
+    row_functions: Python functions whose addresses the liaison table holds.
     """
 
     model: Model
@@ -76,6 +78,7 @@ class System:
     attachment_entries: tuple[AttachmentEntry, ...]
     liaison_entries: tuple[LiaisonEntry, ...]
     mesh_bodies: dict[int, MeshBody]
+    reduced: dict[int, ReducedBody]
     size: float
     inertia_floor: Array
     start: MotionState
@@ -105,6 +108,11 @@ class System:
     def owner(self, row: int) -> LiaisonEntry:
         """The liaison that a row belongs to."""
         return self.liaison_entries[int(self.liaisons.row[row, ROW_OWNER])]
+
+    def mesh(self, body: int) -> MeshBody | None:
+        """The mesh of a body by its row, reduced or not."""
+        reduced = self.reduced.get(body)
+        return self.mesh_bodies.get(body) if reduced is None else reduced.body
 
     def body(self, name: str) -> BodyEntry:
         """The entry of a body by name."""

@@ -7,15 +7,17 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from ...model.bodies import Body, ElasticBody, FrameMotion, RigidBody
+from ...model.bodies import Body, CraigBampton, ElasticBody, FrameMotion, RigidBody
 from ...model.materials import Material
 from .attachments import NodesAttachmentSection, PointAttachmentSection
 from .fields import (
     Name,
     Point,
     PositiveMass,
+    Section,
     Text,
     by_value,
+    count_up_to,
     empty_is_none,
     not_built_unless,
 )
@@ -78,18 +80,53 @@ AnyMaterial = Annotated[
 ]
 
 
+MOST_MODES = 1000
+
+
+class CraigBamptonSection(Section):
+    """A reduction to modes with the attachments held and the static shapes of the attachments' motions."""
+
+    method: Literal["craig-bampton"] = Field(description="craig-bampton")
+    modes: count_up_to(MOST_MODES, least=0) = Field(  # type: ignore[valid-type]
+        description="how many of the lowest modes with all attachments held; 0: static shapes alone"
+    )
+
+    def build(self) -> CraigBampton:
+        """The frozen description."""
+        return CraigBampton(self.modes)
+
+
+def _reduction_kind(value: Any) -> Any:
+    remedy = "write none, or {method: craig-bampton, modes: 12}"
+    if value == "none" and isinstance(value, str):
+        return value
+    if not isinstance(value, dict):
+        raise mistake(f"unknown reduction {shown(value)}", remedy)
+    if "method" not in value:
+        raise mistake("missing key 'method'", remedy, ("method",))
+    if value["method"] != "craig-bampton":
+        raise mistake(f"unknown method {shown(value['method'])}", "the method is craig-bampton", ("method",))
+    return value
+
+
+AnyReduction = Annotated[
+    Annotated[Literal["none"], Tag("<none>")] | Annotated[CraigBamptonSection, Tag("<keys>")],
+    Discriminator(lambda value: "<none>" if isinstance(value, str) else "<keys>"),
+    BeforeValidator(_reduction_kind),
+]
+
+
 class ElasticBodySection(BodySection):
-    """An elastic body with its full mesh, on a floating or a prescribed frame."""
+    """An elastic body from a mesh, on a floating or a prescribed frame."""
 
     kind: Literal["elastic"] = Field(description="elastic")
     mesh: AnyMesh = Field(description="{file, unit}, {box: …} or {beam: …}")
     material: AnyMaterial | None = Field(
         None, description="a material's name or its keys; left out: the mesh file's own material"
     )
-    reduction: Annotated[
-        Literal["none"],
-        not_built_unless("none", "reduction of a body", "write reduction: none, or leave the key out"),
-    ] = Field("none", description="none: the full mesh moves")
+    reduction: AnyReduction = Field(
+        "none", description="none: the full mesh moves; {method: craig-bampton, modes}: it moves in a few shapes"
+    )
     geometric_stiffening: Annotated[
         Literal[False],
         not_built_unless(False, "geometric stiffening", "write geometric_stiffening: false, or leave the key out"),
@@ -115,7 +152,8 @@ class ElasticBodySection(BodySection):
             material = materials.get(self.material)
         motion: FrameMotion | None = self.frame.build() if self.frame else None
         attachments = {name: attachment.build() for name, attachment in self.attachments.items()}
-        return ElasticBody(self.mesh.build(), material, pose, velocity, attachments, motion)
+        reduction = self.reduction.build() if isinstance(self.reduction, CraigBamptonSection) else None
+        return ElasticBody(self.mesh.build(), material, pose, velocity, attachments, motion, reduction)
 
 
 _check_kind, _kind_tag = by_value("kind", ("rigid", "elastic", "ritz"))

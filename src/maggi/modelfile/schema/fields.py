@@ -356,24 +356,25 @@ _Load = Annotated[TimeFunction, Function((units.FORCE, units.TORQUE))]
 LoadFunction = Annotated[tuple[_Load, _Load, _Load], BeforeValidator(_three)]
 
 
-def count_up_to(largest: int) -> Any:
-    """A whole number from 1, written as number or expression."""
-    return Annotated[int, _Count(largest)]
+def count_up_to(largest: int, least: int = 1) -> Any:
+    """A whole number from `least`, written as number or expression."""
+    return Annotated[int, _Count(largest, least)]
 
 
 @dataclass(frozen=True)
 class _Count:
     largest: int
+    least: int
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_plain_validator_function(self._read)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
-        number = {"type": "integer", "minimum": 1, "maximum": self.largest}
+        number = {"type": "integer", "minimum": self.least, "maximum": self.largest}
         return {"anyOf": [number, text_schema(units.NUMBER)]}
 
     def _read(self, value: Any, info: ValidationInfo) -> int:
         number = read_number(value, units.NUMBER, context_of(info))
-        if not 1.0 <= number <= self.largest or number != round(number):
-            raise mistake(f"expected a whole number from 1 to {self.largest}, found {number:.12g}")
+        if not self.least <= number <= self.largest or number != round(number):
+            raise mistake(f"expected a whole number from {self.least} to {self.largest}, found {number:.12g}")
         return int(number)
