@@ -27,8 +27,8 @@ def gibbs_appell(question: Question) -> Answer:
     force = applied_forces(question, places)
     B, b = np.zeros((question.size, question.size)), np.zeros(question.size)
     for body in bodies:
-        B[body.slots, body.slots], b[body.slots] = _root(body)
-        force[body.slots] += body.elastic
+        B[body.slots, body.slots], b[body.slots], rest = _root(body)
+        force[body.slots] += body.elastic - rest
     B, force = B[:, question.moving], force[question.moving]
     C, gamma = acceleration_rows(question, locked_at(question, places))
     allowed = admissible(C, gamma, kinetic_weights(bodies, question.size)[question.moving])
@@ -41,22 +41,20 @@ def gibbs_appell(question: Question) -> Answer:
     return Answer(accelerations, joint_forces, {})
 
 
-def _root(body: FreeBody) -> tuple[Array, Array]:
-    """B (s, s) and b (s,) with ``½ Σ m |a − g|² = ½ |B v̇ + b|²`` up to a constant."""
+def _root(body: FreeBody) -> tuple[Array, Array, Array]:
+    """B (s, s), b (s,) and h (s,) with ``½ Σ m |a − g|² = ½ |B v̇ + b|² + h·v̇`` up to a constant; h is zero but for
+    bodies with points of negative mass, which stand for an inertia tensor that no body has."""
     slopes, free = body.acceleration[1:], body.acceleration[0]
     s = len(slopes)
     if np.all(body.masses >= 0.0):
         root = np.sqrt(body.masses)[:, None]
-        rows = (root * slopes).reshape(s, -1).T
-        if len(rows) < s:
-            rows = np.concatenate([rows, np.zeros((s - len(rows), s))])
+        rows, right = np.zeros((max(free.size, s), s)), np.zeros(max(free.size, s))
+        rows[: free.size], right[: free.size] = (root * slopes).reshape(s, -1).T, (root * free).ravel()
         Q, R = np.linalg.qr(rows)
-        right = np.zeros(len(rows))
-        right[: free.size] = (root * free).ravel()
-        return R, Q.T @ right
-    # points of negative mass stand for an inertia tensor that no body has: the sums over all points decide
+        return R, Q.T @ right, np.zeros(s)
     H = np.einsum("p,jpi,kpi->jk", body.masses, slopes, slopes)
     h = np.einsum("p,jpi,pi->j", body.masses, slopes, free)
     values, axes = np.linalg.eigh(H)
     root = np.sqrt(np.where(values > NULL * values.max(initial=0.0), values, 0.0))
-    return root[:, None] * axes.T, np.divide(axes.T @ h, root, out=np.zeros(s), where=root > 0.0)
+    B, b = root[:, None] * axes.T, np.divide(axes.T @ h, root, out=np.zeros(s), where=root > 0.0)
+    return B, b, h - B.T @ b

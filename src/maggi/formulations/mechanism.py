@@ -14,6 +14,7 @@ from maggi.model.errors import ModelError
 from maggi.model.forces import PointLoad, SpringDamper, TorsionSpring
 from maggi.model.joints import (
     GROUND,
+    Cam,
     Coupler,
     Distance,
     Driver,
@@ -24,6 +25,8 @@ from maggi.model.joints import (
     Pfaffian,
     PfaffianFunction,
     Plane,
+    PointOnCurve,
+    PointOnSurface,
     RollingDisc,
     RollingSphere,
 )
@@ -31,6 +34,7 @@ from maggi.model.model import Model
 
 from .bodies import Marker, PointBody, rigid_body, ritz_body
 from .constraints.contacts import DiscGeometry, KnifeEdgeGeometry, SphereGeometry
+from .constraints.curves import CurveGeometry, FaceGeometry, RollerGeometry, SurfaceGeometry, Track
 from .constraints.joints import LOCKS, JointGeometry
 from .constraints.locked import Geometry
 from .constraints.relations import (
@@ -158,11 +162,19 @@ class _Builder:
                 first, second = self._point(liaison.first), self._point(liaison.second)
                 length = self._distance(first, second) if liaison.length is None else liaison.length
                 return RodGeometry(first, second, length)
+            case PointOnCurve():
+                second = self._centre(liaison.second, liaison.at, np.eye(3))
+                return CurveGeometry(self._point(liaison.first), second, Track(liaison.curve))
+            case PointOnSurface():
+                second = self._centre(liaison.second, liaison.at, np.eye(3))
+                return SurfaceGeometry(self._point(liaison.first), second, liaison.surface)
+            case Cam():
+                return self._cam(liaison)
             case RollingDisc():
-                disc = self._wheel(liaison.second, liaison.at, np.array(liaison.axis))
+                disc = self._centre(liaison.second, liaison.at, _axes_along(np.array(liaison.axis)))
                 return DiscGeometry(self._plane(liaison.first, liaison.plane), disc, liaison.radius)
             case RollingSphere():
-                centre = self._wheel(liaison.second, liaison.at, np.array(liaison.plane.normal))
+                centre = self._centre(liaison.second, liaison.at, np.eye(3))
                 return SphereGeometry(self._plane(liaison.first, liaison.plane), centre, liaison.radius)
             case KnifeEdge():
                 return self._knife_edge(liaison)
@@ -171,26 +183,29 @@ class _Builder:
             case PfaffianFunction():
                 ends = tuple(self._point(end) for end in liaison.ends.values())
                 return PfaffianFunctionGeometry(ends, liaison.function)
-        raise ModelError(
-            f"the other formulations do not know liaisons of type {type(liaison).__name__}", path=f"joints.{name}"
-        )
+        raise TypeError(f"{name}: no geometry for liaisons of type {type(liaison).__name__}")
+
+    def _cam(self, cam: Cam) -> Geometry:
+        first, track = self._point(cam.first), Track(cam.profile)
+        if cam.face is not None:
+            return FaceGeometry(first, self._centre(cam.second, cam.at, _axes_along(np.array(cam.face))), track)
+        axis = self._body(cam.first.body).rotation.T @ np.array(cam.axis)
+        second = self._centre(cam.second, cam.at, np.eye(3))
+        return RollerGeometry(first, second, track, axis / np.linalg.norm(axis), cam.radius)
 
     def _knife_edge(self, edge: KnifeEdge) -> KnifeEdgeGeometry:
-        place = self._place(edge.at, edge.second)
         along = np.array(edge.direction) / np.linalg.norm(edge.direction)
-        up = np.array(edge.normal) / np.linalg.norm(edge.normal)
-        sideways = np.cross(up, along)
+        sideways = np.cross(np.array(edge.normal), along)
         sideways /= np.linalg.norm(sideways)
-        axes = np.column_stack([along, sideways, np.cross(along, sideways)])
-        first = self._body(edge.first.body).fixed(place)
-        return KnifeEdgeGeometry(first, self._marker(edge.second, place, axes, edge.at is not None))
+        blade = self._centre(edge.second, edge.at, np.column_stack([along, sideways, np.cross(along, sideways)]))
+        return KnifeEdgeGeometry(self._marker(edge.first, self._global(blade), np.eye(3), True), blade)
 
     def _plane(self, end: End, plane: Plane) -> Marker:
-        return self._body(end.body).fixed(np.array(plane.point), _axes_along(np.array(plane.normal)))
+        return self._marker(end, np.array(plane.point), _axes_along(np.array(plane.normal)), True)
 
-    def _wheel(self, end: End, at: tuple[float, float, float] | None, axis: Array) -> Marker:
-        place = self._place(at, end)
-        return self._marker(end, place, _axes_along(axis), at is not None)
+    def _centre(self, end: End, at: tuple[float, float, float] | None, axes: Array) -> Marker:
+        """The second's point of a contact with given global axes: `at`, or the named attachment, or the body's origin."""
+        return self._marker(end, self._place(at, end), axes, at is not None)
 
     def _place(self, at: tuple[float, float, float] | None, *ends: End) -> Array:
         """Where a liaison is, global: `at`, or the first attachment named, or the origin of the last end's body."""

@@ -114,7 +114,7 @@ COORDINATES: Mapping[str, Mapping[str, Lock]] = MappingProxyType(
         "planar": {"angle": _ANGLE},
     }
 )
-"""Coordinates that drivers, couplers and torsion springs may name, where a joint has only one of a quantity."""
+"""Coordinates that drivers, couplers and torsion springs may name; unnamed, the last: a screw's displacement follows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +148,7 @@ class JointGeometry:
     def coordinate(self, quantity: str | None, places: Places) -> tuple[Taylor, Wrench]:
         """A coordinate, and the unit wrench that works on it: ``angle``, ``displacement``, or the only one."""
         named = COORDINATES[self.kind]
-        (lock,) = named.values() if quantity is None else (named[quantity],)
+        lock = named[quantity] if quantity is not None else list(named.values())[-1]
         relative = self.relative(places)
         return lock.residual(relative), unit_wrench(relative, lock)
 
