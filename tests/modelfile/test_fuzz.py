@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from maggi.model.errors import ModelError
 from maggi.modelfile import read_text
 
-from .samples import CONTRACT, EVERYTHING, SIMEON_ROD
+from .samples import CONTRACT, EVERYTHING, LIBRARY, SIMEON_ROD
 
 PIECES = [
     "",
@@ -77,8 +77,24 @@ PIECES += [
     "{at: [0, 0, 0]}",
     "!!python/name:os.system",
 ]
+PIECES += [
+    "s",
+    "0*s",
+    "1/s",
+    "a.v.x",
+    "crank.angle",
+    "crank.",
+    ".angle",
+    "first.r11",
+    "first.v.x*first.v.y",
+    "{file: /dev/zero}",
+    "{radius: s}",
+    "{implicit: x}",
+    "constant",
+    "relation",
+]
 
-TEXTS = st.sampled_from([CONTRACT, EVERYTHING, SIMEON_ROD])
+TEXTS = st.sampled_from([CONTRACT, EVERYTHING, SIMEON_ROD, LIBRARY, LIBRARY])
 Damage = Callable[[str], str]
 
 

@@ -12,7 +12,7 @@ from ruamel.yaml import YAML
 
 from maggi.modelfile import json_schema
 
-from .samples import CONTRACT, EVERYTHING, SIMEON_ROD
+from .samples import CONTRACT, EVERYTHING, LIBRARY, SIMEON_ROD
 
 SCHEMA = json.loads(json.dumps(json_schema()))
 
@@ -77,7 +77,9 @@ def load(text: str) -> Any:
     return YAML(typ="safe", pure=True).load(text)
 
 
-@pytest.mark.parametrize("text", [CONTRACT, EVERYTHING, SIMEON_ROD], ids=["contract", "everything", "ritz"])
+@pytest.mark.parametrize(
+    "text", [CONTRACT, EVERYTHING, SIMEON_ROD, LIBRARY], ids=["contract", "everything", "ritz", "library"]
+)
 def test_good_models_are_valid(text: str) -> None:
     assert valid(load(text), SCHEMA)
 
@@ -100,6 +102,26 @@ def test_good_models_are_valid(text: str) -> None:
 )
 def test_bad_models_are_not(old: str, new: str) -> None:
     assert not valid(load(CONTRACT.replace(old, new, 1)), SCHEMA)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("pitch: 5 mm", "pich: 5 mm"),
+        ("type: belt", "type: blt"),
+        ("crossed: true", "crossed: 1"),
+        ("radii: [0.1, 0.05]", "radii: [0.1]"),
+        ("joints: [crank, slider]", "joints: [crank, 3]"),
+        ("curve: {points: [[0, 0], ", "curve: {points: [3, "),
+        ("roller: 4 mm", "roller: -4"),
+        ("direction: [1, 0, 0]}", "}"),
+        ("{blade: sled.front, g: ground}", "{blade: sled.front, g: 3}"),
+        ("constant: 0.1*t", "constant: [1]"),
+    ],
+)
+def test_bad_joints_are_not(old: str, new: str) -> None:
+    assert old in LIBRARY
+    assert not valid(load(LIBRARY.replace(old, new, 1)), SCHEMA)
 
 
 def properties(schema: Any, at: str = "") -> Iterator[tuple[str, dict[str, Any]]]:

@@ -12,6 +12,7 @@ import pytest
 from maggi.model.errors import MeshError, ModelError, ModelErrors
 from maggi.modelfile import read, read_text
 
+from .marks import mark
 from .samples import CONTRACT, EVERYTHING, SIMEON_ROD
 
 MATERIAL = "steel: {density: 7850, young: 210 GPa, poisson: 0.3, damping: {mass: 0, stiffness: 1e-6}}"
@@ -183,14 +184,6 @@ CASES = [
     ("title: Slider-crank with an", 'title: §"a\\0b" #', "title", "holds the control character '\\x00'", ""),
     ("title: Slider-crank", "title: §[a]\nx: Slider-crank", "title", "Input should be a valid string, found a list of 1", ""),
 ]  # fmt: skip
-
-
-def mark(text: str) -> tuple[str, int, int]:
-    """The text without its mark, and the mark's line and column (1, 1 without one)."""
-    before, sign, after = text.partition("§")
-    if not sign:
-        return text, 1, 1
-    return before + after, before.count("\n") + 1, len(before) - before.rfind("\n")
 
 
 @pytest.fixture

@@ -28,7 +28,7 @@ def check_placement(model: Model) -> list[ModelError]:
             size = float(np.linalg.norm(np.ptp(points, axis=0)))
             out = float(np.ptp(points @ np.array(axis)))
             if out > OUT_OF_PLANE * size:
-                shown = [float(f"{component:.4g}") + 0.0 for component in axis]
+                shown = [round(component, 4) + 0.0 for component in axis]
                 errors.append(
                     ModelError(
                         f"the profile leaves the plane normal to the axis, {shown} in its body's frame, by {out:.4g} m",

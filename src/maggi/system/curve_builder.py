@@ -18,7 +18,7 @@ from .liaison_list import LiaisonList, RowPlan
 
 Array = NDArray[np.float64]
 SAMPLES = 2001
-PLANAR = 1e-9  # a cam's profile may leave its plane by this part of its size
+PLANAR = 1e-6  # a cam's profile may leave its plane by this part of its size, its follower's face be tilted by this
 
 
 class CurveBuilder:
@@ -65,7 +65,7 @@ class CurveBuilder:
             start = self._liaisons.add_data([side * cam.radius])
             return RowPlan(CAM, joint, start, coordinate, ends, "contact with the cam"), coordinate
         m = R.T @ (np.array(cam.face) / np.linalg.norm(cam.face))
-        if abs(m @ u) > 1e-9:
+        if abs(m @ u) > PLANAR:
             raise ModelError(
                 "the follower's face is not parallel to the cam's axis",
                 path=f"{path}.face",

@@ -44,7 +44,7 @@ SAMPLES = 201
 SAME = 1e-9
 """Distance of two points, as a share of the curve's size, below which they are one."""
 
-CLOSES = 1e-6
+CLOSES = 1e-9
 """Gap between end and start, as a share of the curve's size, that a closed curve by formulas may have."""
 
 LARGEST = 1e100
@@ -78,7 +78,8 @@ def _increasing(value: tuple[float, float]) -> tuple[float, float]:
     return value
 
 
-CurvePoint = Annotated[tuple[Length, Length, Length], BeforeValidator(_two_or_three)]
+_Written = Annotated[list[Length], Field(min_length=2, max_length=3)]
+CurvePoint = Annotated[tuple[Length, Length, Length], BeforeValidator(_two_or_three, json_schema_input_type=_Written)]
 
 
 class PointsCurveSection(Section):
@@ -150,7 +151,7 @@ class ExpressionCurveSection(Section):
 
     x: LengthInS = Field(description="x of its points (m) as expression in s, frame of the body that carries it")
     y: LengthInS = Field(description="y of its points (m) as expression in s")
-    z: LengthInS = Field(_ZERO, description="z of its points (m) as expression in s; default 0")
+    z: LengthInS | None = Field(None, description="z of its points (m) as expression in s; default 0")
     s: Annotated[tuple[_Parameter, _Parameter], AfterValidator(_increasing), BeforeValidator(_interval)] = Field(
         description="[from, to]: where the parameter s runs"
     )
@@ -159,7 +160,7 @@ class ExpressionCurveSection(Section):
     def check(self, at: Place, closed: bool) -> None:
         """Refuse formulas without value somewhere, curves that stand still, closed ones with a gap."""
         parameters = np.linspace(*self.s, SAMPLES)
-        points = sampled((self.x, self.y, self.z), parameters, [(*at, key) for key in "xyz"])
+        points = sampled((self.x, self.y, self.z or _ZERO), parameters, [(*at, key) for key in "xyz"])
         size = float(np.ptp(points, axis=0).max())
         still = np.linalg.norm(np.diff(points, axis=0), axis=1) <= SAME / SAMPLES * size
         if still.any():
@@ -172,7 +173,7 @@ class ExpressionCurveSection(Section):
 
     def build(self, closed: bool) -> Curve:
         """The frozen description; `closed` whatever the section says."""
-        return ExpressionCurve(self.x, self.y, self.z, self.s, closed)
+        return ExpressionCurve(self.x, self.y, self.z or _ZERO, self.s, closed)
 
 
 class PolarProfileSection(Section):

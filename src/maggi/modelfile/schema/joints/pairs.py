@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -12,8 +13,11 @@ from ..ends import BetweenSection
 from ..fields import Direction, Length
 from ..mistakes import mistake, shown
 
-PARALLEL = 0.999
-"""Cosine of the angle between two directions from which they count as parallel."""
+PARALLEL = 1.0 - 5e-7
+"""Cosine of the angle (1e-3 rad) between two directions from which they count as parallel."""
+
+MOST_BENT = -0.5
+"""Cosine of the largest angle (120°) between the shafts of a constant-velocity joint."""
 
 
 def cosine(one: Vector, other: Vector) -> float:
@@ -33,11 +37,11 @@ def _not_parallel(axes: tuple[Vector, Vector]) -> Any:
     return axes
 
 
-def _bent_less_than_square(axes: tuple[Vector, Vector]) -> Any:
-    if cosine(*axes) < 1.0 - PARALLEL:
+def _along_the_drive(axes: tuple[Vector, Vector]) -> Any:
+    if cosine(*axes) < MOST_BENT:
         raise mistake(
-            "the shafts of a constant-velocity joint must be bent by less than 90°",
-            "give both shafts' directions the same way through the joint",
+            f"the shafts make an angle of {math.degrees(math.acos(max(cosine(*axes), -1.0))):.0f}°",
+            "give both directions the same way along the drive, at most 120° apart",
         )
     return axes
 
@@ -112,8 +116,7 @@ class ConstantVelocitySection(JointSection):
     type: Literal["constant-velocity"] = Field(description="constant-velocity")
     axis: Direction | None = Field(None, description="both shafts' direction where they are in line, global, at t = 0")
     axes: (
-        Annotated[tuple[Direction, Direction], AfterValidator(_bent_less_than_square), BeforeValidator(_two_axes)]
-        | None
+        Annotated[tuple[Direction, Direction], AfterValidator(_along_the_drive), BeforeValidator(_two_axes)] | None
     ) = Field(None, description="[shaft of first, shaft of second] where they are not, global, at t = 0")
 
     @model_validator(mode="after")
