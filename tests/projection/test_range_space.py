@@ -12,6 +12,7 @@ from maggi.projection.range_space import (
     assemble_compliance,
     block_product,
     factorise,
+    find_singular,
     product,
     solve,
     transpose_product,
@@ -48,7 +49,8 @@ def factor(system, A, W):
     L, pivot, scale = np.empty(table.skyline_start[-1]), np.empty(system.rows), np.zeros(system.rows)
     assemble_compliance(table, system.bodies, A, W, L)
     matrix = L.copy()
-    rank = factorise(table.skyline_first, table.skyline_start, L, pivot, scale)
+    factorise(table.skyline_first, table.skyline_start, L, pivot, scale, np.ones(system.rows, dtype=np.int64), True)
+    rank = int((pivot > 0.0).sum())
     return matrix, (L, pivot), rank
 
 
@@ -135,8 +137,8 @@ def test_skyline_factor_of_a_semidefinite_matrix(r, dependent, seed):
     start = np.concatenate([[0], np.cumsum(np.arange(len(B)) - first + 1)]).astype(np.int64)
     L = np.concatenate([matrix[i, first[i] : i + 1] for i in range(len(B))])
     pivot, scale = np.empty(len(B)), np.zeros(len(B))
-    rank = factorise(first, start, L, pivot, scale)
-    assert rank == np.linalg.matrix_rank(B)
+    factorise(first, start, L, pivot, scale, np.zeros(len(B), dtype=np.int64), True)
+    assert (pivot > 0.0).sum() == np.linalg.matrix_rank(B)
     np.testing.assert_array_equal(pivot == 0.0, expected_off)
     np.testing.assert_array_equal(scale, np.diag(matrix))
     right = matrix @ rng.normal(size=len(B))
@@ -152,9 +154,23 @@ def test_skyline_factor_of_a_semidefinite_matrix(r, dependent, seed):
 def test_a_row_that_vanishes_is_dependent_by_its_former_size():
     """At a singular position a row's own diagonal is tiny: it is judged by the largest that it has had."""
     first, start = np.zeros(1, dtype=np.int64), np.array([0, 1])
-    pivot, scale = np.empty(1), np.zeros(1)
-    assert factorise(first, start, np.array([4.0]), pivot, scale) == 1
+    pivot, scale, active = np.empty(1), np.zeros(1), np.ones(1, dtype=np.int64)
+    assert factorise(first, start, np.array([4.0]), pivot, scale, active, False) == 1.0
     assert pivot[0] == 0.25
-    assert factorise(first, start, np.array([1e-12]), pivot, scale) == 0
+    assert factorise(first, start, np.array([1e-12]), pivot, scale, active, False) == 1.0
     assert (pivot[0], scale[0]) == (0.0, 4.0)
-    assert factorise(first, start, np.array([1e-12]), pivot, np.zeros(1)) == 1
+    assert factorise(first, start, np.array([1e-12]), pivot, np.zeros(1), active, False) == 1.0
+    assert pivot[0] == 1e12
+
+
+def test_rows_are_dropped_and_taken_up_with_hysteresis():
+    """Two rows at an angle: dropped below sin² = 1e-7, independent again above 4e-7; sin² of those kept is told."""
+    first, start = np.zeros(2, dtype=np.int64), np.array([0, 1, 3])
+    pivot, scale, active = np.empty(2), np.zeros(2), np.ones(2, dtype=np.int64)
+    for square, kept in [(1e-2, 1), (2e-7, 1), (0.9e-7, 0), (3e-7, 0), (5e-7, 1), (2e-7, 1)]:
+        c = np.sqrt(1.0 - square)
+        smallest = find_singular(first, start, np.array([1.0, c, 1.0]), pivot, scale, active)
+        assert active.tolist() == [1, kept]
+        assert smallest == pytest.approx(square if kept else 1.0, rel=1e-6)
+        factorise(first, start, np.array([1.0, c, 1.0]), pivot, np.ones(2), active, False)
+        assert (pivot[1] > 0.0) == kept

@@ -15,6 +15,14 @@ from maggi.liaisons.tables import LiaisonTable
 RANK_TOLERANCE = 1e-11
 """A row is dependent where its pivot falls below this part of its own size (see `docs/decisions.md`)."""
 
+SINGULAR, REGULAR = 1e-7, 4e-7
+"""sin² of a row's angle to the rows before it, in the geometric metric: below the first it becomes dependent, above the
+second independent again. Near a singular position round-off ε is magnified by 1/sin at position level, 1/sin² in
+velocities, 1/sin³ in accelerations."""
+
+SUSPECT = 1e-5
+"""Smallest pivot in the metric of the step from which on the geometric one is looked at."""
+
 
 @njit(cache=True)
 def assemble_compliance(rows: LiaisonTable, bodies: BodyTable, A: Array, W: Array, out: Array) -> None:
@@ -47,35 +55,66 @@ def assemble_compliance(rows: LiaisonTable, bodies: BodyTable, A: Array, W: Arra
 
 
 @njit(cache=True)
-def factorise(first: IntArray, start: IntArray, L: Array, pivot: Array, scale: Array) -> int:
-    """L D Lᵀ of a positive semidefinite skyline matrix, in place; returns the number of independent rows.
+def _eliminate(i: int, first: IntArray, start: IntArray, L: Array, pivot: Array) -> float:
+    """Row i of L D Lᵀ, in place; returns its pivot D. Dependent rows before it have pivot 0 and take no part."""
+    o = start[i] - first[i]
+    diagonal = L[o + i]
+    for j in range(first[i], i):
+        p = start[j] - first[j]
+        value = L[o + j]
+        for k in range(max(first[i], first[j]), j):
+            value -= L[o + k] * L[p + k]
+        L[o + j] = value
+    for j in range(first[i], i):
+        value = L[o + j]
+        L[o + j] = value * pivot[j]
+        diagonal -= value * value * pivot[j]
+    L[o + i] = 1.0
+    return float(diagonal)
 
-    pivot (r,): 1/D, zero for rows that depend on earlier ones. scale (r,): the largest diagonal each row has
-    had; a row at a singular position vanishes itself, so its present diagonal says nothing about dependence.
+
+@njit(cache=True)
+def factorise(
+    first: IntArray, start: IntArray, L: Array, pivot: Array, scale: Array, active: IntArray, all_rows: bool
+) -> float:
+    """L D Lᵀ of a positive semidefinite skyline matrix, in place; returns the smallest pivot kept, relative to scale.
+
+    pivot (r,): 1/D, zero for rows that depend on earlier ones, and unless all_rows
+    is true where active (r,) is 0. scale (r,): the largest
+    diagonal each row has had; a row at a singular position vanishes itself, so its present diagonal says nothing about
+    dependence.
     """
-    rank = 0
+    smallest = 1.0
     for i in range(first.shape[0]):
-        o = start[i] - first[i]
-        diagonal = L[o + i]
-        if diagonal > scale[i]:
-            scale[i] = diagonal
-        for j in range(first[i], i):
-            p = start[j] - first[j]
-            value = L[o + j]
-            for k in range(max(first[i], first[j]), j):
-                value -= L[o + k] * L[p + k]
-            L[o + j] = value
-        for j in range(first[i], i):
-            value = L[o + j]
-            L[o + j] = value * pivot[j]
-            diagonal -= value * value * pivot[j]
-        if diagonal > RANK_TOLERANCE * scale[i]:
+        scale[i] = max(scale[i], L[start[i] - first[i] + i])
+        diagonal = _eliminate(i, first, start, L, pivot)
+        if (all_rows or active[i] == 1) and diagonal > RANK_TOLERANCE * scale[i]:
             pivot[i] = 1.0 / diagonal
-            rank += 1
+            smallest = min(smallest, diagonal / scale[i])
         else:
             pivot[i] = 0.0
-        L[o + i] = 1.0
-    return rank
+    return smallest
+
+
+@njit(cache=True)
+def find_singular(first: IntArray, start: IntArray, L: Array, pivot: Array, scale: Array, active: IntArray) -> float:
+    """Which rows are dependent by their geometry alone, with hysteresis; returns sin² of the smallest angle kept.
+
+    L: A Aᵀ in the geometric metric, overwritten. active (r,): 1 where a row is in use, renewed. Redundant rows become
+    inactive too: they are dependent in any metric.
+    """
+    smallest = 1.0
+    for i in range(first.shape[0]):
+        scale[i] = max(scale[i], L[start[i] - first[i] + i])
+        diagonal = _eliminate(i, first, start, L, pivot)
+        if diagonal > (SINGULAR if active[i] == 1 else REGULAR) * scale[i]:
+            pivot[i] = 1.0 / diagonal
+            active[i] = 1
+            smallest = min(smallest, diagonal / scale[i])
+        else:
+            pivot[i] = 0.0
+            active[i] = 0
+    return smallest
 
 
 @njit(cache=True)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from maggi.bodies.tables import MotionState
-from maggi.system.dense import new_attachments, new_rows
+from maggi.system.dense import new_attachments, new_rows, velocity_scale
 from maggi.system.system import System
 
 from .tables import SmallSystem, StepState, StepVectors, StepWork
+
+Array = NDArray[np.float64]
 
 
 def small_system(system: System) -> SmallSystem:
@@ -48,6 +51,20 @@ def new_state(system: System, least_speed: float, least_acceleration: float) -> 
     )
 
 
+def geometric_metric(system: System) -> Array:
+    """A metric of velocities that knows no masses: the mechanism's size makes lengths of angles (flat blocks)."""
+    bodies = system.bodies
+    inverse = 1.0 / velocity_scale(system) ** 2
+    metric = np.zeros(int(bodies.block[-1]))
+    for b in range(bodies.kind.size):
+        o, e = int(bodies.offset[b]), int(bodies.offset[b + 1])
+        diagonal = inverse[o:e].copy()
+        if not bodies.floating[b]:
+            diagonal[:6] = 0.0
+        metric[bodies.block[b] : bodies.block[b + 1]] = np.diag(diagonal).ravel()
+    return metric
+
+
 def new_work(system: System) -> StepWork:
     """Scratch arrays."""
     n, r = system.coordinates, system.rows
@@ -74,7 +91,9 @@ def new_work(system: System) -> StepWork:
         pi=np.zeros(r),
         kappa=np.zeros(r),
         phi=np.zeros(r),
-        independent=np.zeros(1, dtype=np.int64),
+        active=np.ones(r, dtype=np.int64),
+        metric=geometric_metric(system),
+        metric_scale=np.zeros(r),
         spring_J=np.zeros((springs, n)),
         spring_W=np.zeros((springs, n)),
         spring_border=np.zeros((springs, r)),

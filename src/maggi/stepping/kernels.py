@@ -17,9 +17,11 @@ from maggi.liaisons.kernels import evaluate_rows
 from maggi.liaisons.tables import ROW_ANGULAR, ROW_HOLONOMIC, LiaisonState, LiaisonTable
 from maggi.linalg.rotations import exp_se3_update
 from maggi.projection.range_space import (
+    SUSPECT,
     assemble_compliance,
     block_product,
     factorise,
+    find_singular,
     product,
     solve,
     transpose_product,
@@ -34,6 +36,8 @@ MAX_ITERATIONS = 25
 REFRESH_ABOVE = 0.1  # contraction above which the iteration's matrices are made anew
 ROUND_OFF = 1e-12  # liaison residuals, relative to size, speed and acceleration
 STALLED = 1e-10  # accepted where round-off lets them fall no further
+DROPPED = 1e-6  # what positions of dependent rows may be off by, and 100 times that their velocities
+EPSILON = 2.2e-16
 
 
 @njit(cache=True)
@@ -172,6 +176,31 @@ def scaled_residuals(liaisons: LiaisonTable, rows: LiaisonState, scales: Array, 
         out[2] = y if not (y <= out[2]) else out[2]
 
 
+@njit(cache=True)
+def active_residuals(liaisons: LiaisonTable, rows: LiaisonState, scales: Array, pivot: Array) -> tuple[float, float]:
+    """The largest scaled residual at any level of independent rows, and what those that depend on others are off by.
+
+    Passing a singular position, a dependent row is not met for a step, its acceleration least of all.
+    """
+    row = liaisons.row
+    worst = 0.0
+    dropped = 0.0
+    for i in range(row.shape[0]):
+        arm = scales[0] if row[i, ROW_ANGULAR] == 1 else 1.0
+        x = abs(rows.position[i]) * arm / scales[0] if row[i, ROW_HOLONOMIC] == 1 else 0.0
+        y = abs(rows.velocity[i]) * arm / scales[1]
+        z = abs(rows.acceleration[i]) * arm / scales[2]
+        # written so that a NaN stays
+        if pivot[i] > 0.0:
+            worst = x if not (x <= worst) else worst
+            worst = y if not (y <= worst) else worst
+            worst = z if not (z <= worst) else worst
+        else:
+            dropped = x if not (x <= dropped) else dropped
+            dropped = 0.01 * y if not (0.01 * y <= dropped) else dropped
+    return worst, dropped
+
+
 @njit(inline="always")
 def correction_size(
     bodies: BodyTable,
@@ -283,7 +312,7 @@ def iterate(
     accounted = work.accounted
     base = work.base
     delta = work.delta
-    independent = work.independent
+    active = work.active
     kappa = work.kappa
     loads = work.loads
     phi = work.phi
@@ -302,7 +331,6 @@ def iterate(
     springs = J.shape[0]
     n = a.shape[0]
     r = row.shape[0]
-    residuals = np.empty(3)
     error = 0.0
     previous = 0.0
     contraction = rho[0]
@@ -312,24 +340,29 @@ def iterate(
     accounted[:] = 0.0
     position_force[:] = 0.0
     velocity_force[:] = 0.0
+    sine = 1.0  # of the smallest angle between rows
     has_ritz = False
     for b in range(kind.shape[0]):
         if kind[b] == RITZ:
             has_ritz = True
     for iteration in range(MAX_ITERATIONS + 1):
         evaluate_state(bodies, liaisons, forces, t, next_motion, attachments, rows, loads, power)
-        scaled_residuals(liaisons, rows, scales, residuals)
-        worst = max(residuals[0], residuals[1], residuals[2])
-        if not math.isfinite(worst) or not math.isfinite(error):
+        worst, dropped = active_residuals(liaisons, rows, scales, pivot)
+        if not math.isfinite(worst + dropped) or not math.isfinite(error):
             return NOT_FINITE, iteration
         if iteration > 0:
+            # near a singular position accelerations along the vanishing direction are magnified round-off
+            noise = 10.0 * EPSILON / sine**3 / tolerance
+            round_off = max(ROUND_OFF, 10.0 * EPSILON / sine**2)
             estimate = error * contraction / (1.0 - contraction) if contraction < 1.0 else math.inf
+            if error <= noise:
+                estimate = 0.0
             if iteration == 1 and not measured:
                 estimate = math.inf
-            settled = worst <= ROUND_OFF or (worst <= STALLED and worst > 0.3 * worst_before)
+            settled = worst <= round_off or (worst <= STALLED and worst > 0.3 * worst_before)
             # at round-off corrections no longer fall: a stiff body answers that of the joints' positions
             stalled = iteration >= 3 and error > 0.3 * previous and largest_move(bodies, c, delta) <= ROUND_OFF * size
-            if (estimate <= 1.0 or stalled) and settled:
+            if (estimate <= 1.0 or stalled) and settled and dropped <= DROPPED:
                 if iteration >= 2:
                     rho[1] = 0.0
                 else:
@@ -342,7 +375,14 @@ def iterate(
             if has_ritz:
                 compliances(bodies, next_motion, c, floor, W)
             assemble_compliance(liaisons, bodies, A, W, L)
-            independent[0] = factorise(first, start, L, pivot, scale)
+            sine = 1.0
+            if factorise(first, start, L, pivot, scale, active, True) < SUSPECT:
+                assemble_compliance(liaisons, bodies, A, work.metric, L)
+                sine = math.sqrt(find_singular(first, start, L, pivot, work.metric_scale, active))
+                assemble_compliance(liaisons, bodies, A, W, L)
+                factorise(first, start, L, pivot, scale, active, False)
+            else:
+                active[:] = 1
             for i in range(r):
                 if pivot[i] == 0.0:
                     multipliers_next[i] = 0.0

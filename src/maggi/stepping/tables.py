@@ -64,7 +64,8 @@ class StepState(NamedTuple):
 class StepWork(NamedTuple):
     """Scratch arrays of the step. W (flat blocks): compliances Ŝ⁻¹ of bodies on their small coordinates.
 
-    W_Z, W_D (flat blocks): B̂ᵀŜ⁻¹KŜ⁻¹B̂ of mesh bodies and the same with D. L (skyline), pivot, scale (r,).
+    W_Z, W_D (flat blocks): B̂ᵀŜ⁻¹KŜ⁻¹B̂ of mesh bodies and the same with D. L (skyline), pivot, scale (r,). active (r,): 0 for rows that are
+    dependent by geometry; metric (flat blocks), metric_scale (r,): what that is judged in, see `range_space`.
     base (n,): mesh bodies: frame residual, and the free elastic increments. accounted (n,): liaison forces that
     mesh bodies' increments already contain. position_force, velocity_force (n,): accumulated Aᵀπ, Aᵀκ.
     spring_J, spring_W (s, n), spring_border (s, r), spring_inverse (s, s), spring_force (s,): see `springs`.
@@ -89,7 +90,9 @@ class StepWork(NamedTuple):
     pi: Array
     kappa: Array
     phi: Array
-    independent: IntArray
+    active: IntArray
+    metric: Array
+    metric_scale: Array
     spring_J: Array
     spring_W: Array
     spring_border: Array
