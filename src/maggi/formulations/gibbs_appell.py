@@ -43,7 +43,8 @@ def gibbs_appell(question: Question) -> Answer:
 
 def _root(body: FreeBody) -> tuple[Array, Array, Array]:
     """B (s, s), b (s,) and h (s,) with ``½ Σ m |a − g|² = ½ |B v̇ + b|² + h·v̇`` up to a constant; h is zero but for
-    bodies with points of negative mass, which stand for an inertia tensor that no body has."""
+    bodies with points of negative mass, which stand for an inertia tensor that no body has.
+    """
     slopes, free = body.acceleration[1:], body.acceleration[0]
     s = len(slopes)
     if np.all(body.masses >= 0.0):
