@@ -434,11 +434,11 @@ def _driver(kind, quantity, text):
 
 
 def _pair(kinds, quantities, text, rates=False, kind="coupler"):
-    """A relation between the coordinates of a joint on ground and of the joint between the two bodies."""
+    """A relation between the coordinates of two joints that lead from the first body over a third to the second."""
 
     def add(shop, first, second):
-        before = first if first != GROUND else shop.rigid()
-        names = [_axial(kinds[0])(shop, GROUND, before), _axial(kinds[1])(shop, before, second)]
+        middle = shop.rigid()
+        names = [_axial(kinds[0])(shop, first, middle), _axial(kinds[1])(shop, middle, second)]
         coordinates = {
             letter: JointCoordinate(joint, q) for letter, joint, q in zip("ab", names, quantities, strict=True)
         }
