@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from maggi.liaisons.splines import curve_pieces, surface_pieces
 from maggi.liaisons.tables import CAM, CAM_FACE, CURVE, CURVE_FACE, CURVE_POINT
+from maggi.linalg.jets import evaluate as evaluate_jet
+from maggi.linalg.jets import program
 from maggi.model.curves import Curve, SplineCurve, SplineSurface
 from maggi.model.errors import ModelError
 from maggi.model.functions import Formula, TimeFunction
@@ -33,7 +37,8 @@ class CurveBuilder:
         ends = self._liaisons.ends(joint)
         s, points = sampled(curve, f"{path}.curve")
         x = self._seen_from_carrier(ends)
-        initial = s[int(np.argmin(np.linalg.norm(points - x, axis=1)))]
+        nearest = int(np.argmin(np.linalg.norm(points - x, axis=1)))
+        initial = _refined(curve, s, nearest, lambda c: ((c[0] - x) @ c[1], c[1] @ c[1] + (c[0] - x) @ c[2]))
         row = self._add(curve, s, initial, ends[0], _away_from_tangents(points), f"{path}.curve")
         coordinate = self._liaisons.add_coordinate(joint, CURVE_POINT, row)
         return [
@@ -60,7 +65,8 @@ class CurveBuilder:
             nearest = int(np.argmin(np.linalg.norm(apart, axis=1)))
             tangent = points[(nearest + 1) % len(points)] - points[nearest - 1]
             side = float(np.sign(np.cross(u, tangent) @ -apart[nearest]))
-            row = self._add(cam.profile, s, s[nearest], ends[0], u, f"{path}.profile")
+            initial = _refined(cam.profile, s, nearest, lambda c: ((c[0] - x) @ c[1], c[1] @ c[1] + (c[0] - x) @ c[2]))
+            row = self._add(cam.profile, s, initial, ends[0], u, f"{path}.profile")
             coordinate = self._liaisons.add_coordinate(joint, CURVE_POINT, row)
             start = self._liaisons.add_data([side * cam.radius])
             return RowPlan(CAM, joint, start, coordinate, ends, "contact with the cam"), coordinate
@@ -74,7 +80,8 @@ class CurveBuilder:
         heights = (points - x) @ m
         extreme = [int(np.argmax(heights)), int(np.argmin(heights))]
         touching = min(extreme, key=lambda k: abs(heights[k]))
-        row = self._add(cam.profile, s, s[touching], ends[0], u, f"{path}.profile")
+        initial = _refined(cam.profile, s, touching, lambda c: (c[1] @ m, c[2] @ m))
+        row = self._add(cam.profile, s, initial, ends[0], u, f"{path}.profile")
         coordinate = self._liaisons.add_coordinate(joint, CURVE_FACE, row)
         return RowPlan(CAM_FACE, joint, 0, coordinate, ends, "contact with the cam"), coordinate
 
@@ -122,6 +129,41 @@ def sampled(curve: Curve, path: str) -> tuple[Array, Array]:
             remedy="let s run over one whole period, or leave out `closed`",
         )
     return s, points
+
+
+def _refined(curve: Curve, s: Array, k: int, condition: Callable[[Array], tuple[float, float]]) -> float:
+    """The parameter near the sample s[k] at which a condition is zero, by Newton's method, else the sample.
+
+    condition : of the curve and its first two derivatives (3, 3), with its own derivative. So that the coordinate, which
+    counts from here, begins at zero.
+    """
+    step = float(s[1] - s[0])
+    low, high = float(s[k]) - step, float(s[k]) + step
+    if not curve.closed:
+        low, high = max(low, float(s[0])), min(high, float(s[-1]))
+    at = float(s[k])
+    for _ in range(10):
+        within = s[0] + (at - s[0]) % (s[-1] - s[0]) if curve.closed else at
+        value, slope = condition(_derivatives(curve, within))
+        change = -value / slope if slope != 0.0 else np.nan
+        if not np.isfinite(change):
+            return float(s[k])
+        at = min(max(at + change, low), high)
+    return at
+
+
+def _derivatives(curve: Curve, s: float) -> Array:
+    """The point and its first two derivatives (3, 3) at s."""
+    if isinstance(curve, SplineCurve):
+        breaks, c = curve_pieces(curve)
+        piece = min(max(int(np.searchsorted(breaks, s, side="right")) - 1, 0), len(c) - 1)
+        x = s - breaks[piece]
+        powers = np.array([[1.0, x, x * x, x**3], [0.0, 1.0, 2.0 * x, 3.0 * x * x], [0.0, 0.0, 2.0, 6.0 * x]])
+        return np.asarray(powers @ c[piece].T)
+    out = np.empty((3, 3))
+    for i, part in enumerate((curve.x, curve.y, curve.z)):
+        evaluate_jet(*program(_of_s(part)), s, out[i])
+    return out.T
 
 
 def surface_data(surface: SplineSurface, path: str) -> list[float]:
