@@ -84,6 +84,7 @@ def row(t: float, iterations: int = 1) -> Row:
         joint_position=np.stack([np.zeros(3), pin, piston, np.zeros(3), np.array([0.0, 0.1, 0.0])]),
         force=np.stack([1.2 * force, force, 0.8 * force, np.zeros(3), 0.1 * force]),
         torque=np.stack([np.zeros(3), np.zeros(3), np.zeros(3), [0.0, 12.0 * sway, 0.0], np.zeros(3)]),
+        unique=np.ones(5, dtype=np.int64),
         coordinate=(np.array([a]), np.array([b - a]), np.array([0.01 * sway, -b]), np.array([a]), np.zeros(0)),
         energy=np.array([kinetic, strain, gravity, dissipated, kinetic + strain + gravity + dissipated - 25.0]),
         residuals=np.array([2e-16, 4e-13, 4e-9]) * (1.0 + 0.5 * sway),

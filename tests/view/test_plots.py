@@ -128,7 +128,7 @@ def spatial_rows(count):
         rows.append(
             Row(
                 float(t), origin[None], turn[None], ends, np.stack([turn, turn]), np.ones((2, 3)), np.ones((2, 3)),
-                (shift,), (), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)), (), some.energy, some.residuals, 1,
+                (shift,), (), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), (), some.energy, some.residuals, 1,
             )
         )  # fmt: skip
     return layout, rows

@@ -64,7 +64,8 @@ class Row:
     of the layout, body by body: position (a, 3), attachment_rotation (a, 3, 3), velocity (a, 3),
     angular_velocity (a, 3). displacement: for each mesh body nodal displacements (n_nodes, 3), body frame;
     modal: for each Ritz or reduced body its coordinates (modes,). Per joint (drivers included): joint_position (j, 3), its point
-    on the second body, force (j, 3), torque (j, 3) about that point, and coordinate: one array (k,) per joint, k as
+    on the second body, force (j, 3), torque (j, 3) about that point, unique (j,): 0 where others would do the same and
+    these are the least ones, and coordinate: one array (k,) per joint, k as
     in the layout. energy: kinetic, strain, gravity, dissipated, work (J). residuals: position, velocity,
     acceleration, scaled. iterations: back-substitutions or Newton iterations of the last step.
     """
@@ -81,6 +82,7 @@ class Row:
     joint_position: Array
     force: Array
     torque: Array
+    unique: IntArray
     coordinate: tuple[Array, ...]
     energy: Array
     residuals: Array

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from maggi.bodies.kernels import small_body_energy
 from maggi.bodies.tables import MESH, RITZ
 from maggi.liaisons.tables import COORDINATE_KIND, CURVE_FACE, CURVE_POINT, END_ATTACHMENT, TRANSLATION
+from maggi.projection.redundancy import least_norm, left_null_space
 from maggi.stepping.mesh_step import MeshStep
 from maggi.stepping.stepper import Stepper
 from maggi.system.system import LiaisonEntry, System
@@ -15,6 +16,7 @@ from maggi.system.system import LiaisonEntry, System
 from .recorder import BodyLayout, JointLayout, Layout, Row
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 _KINDS = {RITZ: "ritz", MESH: "mesh"}
 
@@ -80,6 +82,7 @@ class Snapshots:
         self._indices = np.array([entry.index for entry in self._bodies], dtype=np.int64)
         self._liaisons = visible_liaisons(system)
         self._seconds = np.array([entry.reference for entry in self._liaisons], dtype=np.int64)
+        self.shared: dict[str, None] = {}  # joints whose forces were not unique at some row, in order
         self._meshes: dict[int, MeshStep] = {mesh.index: mesh for mesh in stepper.meshes}
 
     def row(self, t: float) -> Row:
@@ -87,7 +90,8 @@ class Snapshots:
         stepper, system = self._stepper, self._stepper.system
         state = stepper.state
         motion, at = state.now, state.attachments
-        force, torque = self._joint_forces()
+        force, torque, unique = self._joint_forces()
+        self.shared |= {entry.name: None for entry, sure in zip(self._liaisons, unique, strict=True) if not sure}
         bodies = system.bodies
         modal = tuple(
             motion.e[bodies.offset[b] + 6 : bodies.offset[b + 1]].copy()
@@ -113,6 +117,7 @@ class Snapshots:
             at.position[self._seconds],
             force,
             torque,
+            unique,
             tuple(state.rows.coordinate[entry.coordinates, 0] for entry in self._liaisons),
             self.energies(),
             stepper.residuals(),
@@ -148,18 +153,33 @@ class Snapshots:
                     largest, name = angle, f"{body.name}.{coupling.name}"
         return largest, name
 
-    def _joint_forces(self) -> tuple[Array, Array]:
-        """Force and torque of first on second at the joint's point on second, global (T11): minus the row's share in Aᵀλ."""
+    def _joint_forces(self) -> tuple[Array, Array, IntArray]:
+        """Force and torque of first on second at the joint's point on second, global (T11), and which are unique.
+
+        They are minus the rows' shares in Aᵀλ, of least norm where rows repeat each other.
+        """
         state, table = self._stepper.state, self._stepper.system.liaisons
+        multipliers, sure = self._multipliers()
+        unique = np.array([sure[entry.rows].all() for entry in self._liaisons], dtype=np.int64)
         force, torque = np.zeros((len(self._liaisons), 3)), np.zeros((len(self._liaisons), 3))
         for j, entry in enumerate(self._liaisons):
             for row in entry.rows:
                 ends = slice(table.end_start[row], table.end_start[row + 1])
                 on_second = table.end[ends, END_ATTACHMENT] == entry.reference
                 wrench = state.rows.wrench[ends][on_second].sum(axis=0)
-                force[j] -= state.vectors.multipliers[row] * wrench[:3]
-                torque[j] -= state.vectors.multipliers[row] * wrench[3:]
-        return force, torque
+                force[j] -= multipliers[row] * wrench[:3]
+                torque[j] -= multipliers[row] * wrench[3:]
+        return force, torque, unique
+
+    def _multipliers(self) -> tuple[Array, NDArray[np.bool_]]:
+        """λ (r,) of least norm, and which are unique."""
+        stepper, system = self._stepper, self._stepper.system
+        multipliers = stepper.state.vectors.multipliers
+        if (stepper.work.pivot > 0.0).all():
+            return multipliers, np.ones(system.rows, dtype=np.bool_)
+        work = stepper.work
+        Z = left_null_space(system.liaisons, system.bodies, stepper.state.rows.A, work.metric, work.active, system.size)
+        return least_norm(system.liaisons, Z, multipliers, system.size)
 
 
 def _elastic(system: System, body: int) -> int:

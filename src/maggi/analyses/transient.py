@@ -242,6 +242,11 @@ class _Run:
                 f"attachment {self._rotation[1]} turns by up to {self._rotation[0]:.2g} rad relative to its body: "
                 "beyond about 0.2 rad a linear-elastic body on a floating frame is no longer accurate"
             )
+        if self._snapshots.shared:
+            notes.append(
+                f"joints repeat each other: the forces of {', '.join(self._snapshots.shared)} are not unique, and are "
+                "the least that do the same (`maggi check` names the rows; elastic bodies would share them)"
+            )
         balance, loss = _balance(np.array(self._energies))
         return _summary(stepper.counts, self._residuals, balance, loss, notes, time.perf_counter() - began, timings)
 

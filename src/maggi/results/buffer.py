@@ -17,8 +17,9 @@ MOST_BYTES = 8 << 20
 
 _WHOLE = (
     "time", "origin", "rotation", "position", "attachment_rotation", "velocity", "angular_velocity",
-    "joint_position", "force", "torque", "energy", "residuals", "iterations",
+    "joint_position", "force", "torque", "unique", "energy", "residuals", "iterations",
 )  # fmt: skip
+_INTEGERS = ("unique", "iterations")
 _PARTS = ("displacement", "modal", "coordinate")
 
 
@@ -42,7 +43,7 @@ class RowBuffer:
         shapes = _field_shapes(layout)
         used = {(column.field, column.part) for column in columns}
         self._whole: dict[str, NDArray[Any]] = {
-            name: np.empty((self.capacity, *shapes[name]), np.int64 if name == "iterations" else np.float64)
+            name: np.empty((self.capacity, *shapes[name]), np.int64 if name in _INTEGERS else np.float64)
             for name in _WHOLE
             if (name, None) in used
         }
@@ -119,6 +120,7 @@ def _field_shapes(layout: Layout) -> dict[str, tuple[int, ...]]:
         "joint_position": (joints, 3),
         "force": (joints, 3),
         "torque": (joints, 3),
+        "unique": (joints,),
         "energy": (5,),
         "residuals": (3,),
         "iterations": (),

@@ -140,6 +140,8 @@ def _joint_columns(layout: Layout) -> Iterator[Column]:
         yield Column(f"{at}/position", "joint_position", None, i, (3,), "m", "the joint's point on second, global")
         yield Column(f"{at}/force", "force", None, i, (3,), "N", f"force {side}")
         yield Column(f"{at}/torque", "torque", None, i, (3,), "N m", f"torque {side}")
+        text = "1: force and torque are unique; 0: joints repeat each other, these are the least that do the same"
+        yield Column(f"{at}/unique", "unique", None, i, (), "1", text, integer=True)
         if joint.units:
             text = "coordinates of second relative to first, translation before rotation, zero initially"
             unit = ", ".join(dict.fromkeys(joint.units))

@@ -361,6 +361,11 @@ class JointResults:
         return self._results._array(f"{self._path}/torque")
 
     @property
+    def unique(self) -> NDArray[np.bool_]:
+        """Where (n,) force and torque are unique; elsewhere joints repeat each other and these are the least ones."""
+        return np.asarray(self._results._array(f"{self._path}/unique") > 0)
+
+    @property
     def coordinate(self) -> Array:
         """Coordinates (n, k) in `units`, translation before rotation; k = 0 for joints without any."""
         path = f"{self._path}/coordinate"
