@@ -12,6 +12,7 @@ SHORT: dict[str, list[str]] = {
     "hinged_bar.py": ["--steps", "200"],
     "assembly.py": [],
     "small_system.py": [],
+    "long_run.py": ["--steps", "20000"],
 }
 
 

@@ -56,7 +56,8 @@ def test_two_hinges_share_a_load_and_are_marked():
         for name, z in (("low", 0.0), ("high", 1.0))
     }
     model = Model({"door": door}, hinges, gravity=(0.0, 0.0, -GRAVITY), simulation=Simulation(1e-2, 1e-2))
-    results = maggi.run(model)
+    with pytest.warns(UserWarning, match="the forces of low, high are not unique"):
+        results = maggi.run(model)
     low, high = results.joint("low"), results.joint("high")
     assert not low.unique.any() and not high.unique.any()
     np.testing.assert_allclose(low.force[-1, 2], high.force[-1, 2], rtol=1e-12)
