@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import maggi
+from maggi.modelfile import read_text
 from maggi.results.results import Results
 
 Run = Callable[..., Results]
@@ -294,3 +295,40 @@ def test_the_command_line_runs_them(tmp_path: Path) -> None:
     said = json.loads(found.stdout)
     assert said["status"] == "complete"
     assert said["residuals"]["position"] < 1e-12
+
+
+WRONG_STARTS = {
+    "rolling-disc, between: [ground, a], radius: 0.2, axis: [0, 1, 0]": "height above the plane is off by 0.1 m",
+    "rolling-sphere, between: [ground, a], radius: 0.2": "height above the plane is off by 0.1 m",
+    "point-on-curve, between: [ground, b], at: [1, 0.01, 0], curve: {points: [[0, 0], [2, 0]]}": "off by 0.01 m",
+    "point-on-surface, between: [ground, b], at: [1, 0, 0.01], surface: {z: 0}": "offset from the surface is off by 0.01 m",
+    "cam, between: [ground, b], at: [1, 0, 0], axis: [0, 0, 1], profile: {radius: 0.9}, roller: 0.05": "off by 0.05 m",
+    "distance, between: [[1, 0, 1], b], length: 1.2 + t": "distance is off by 0.2 m",
+    "point-on-surface, between: [ground, b], at: [1, 0, 0], surface: {implicit: y**2}": "has no finite value in the initial pose",
+    "pfaffian, between: [b], rows: [first.v.x/first.y]": "row 1 has no finite value in the initial pose",
+}
+
+
+@pytest.mark.parametrize(("joint", "message"), WRONG_STARTS.items(), ids=[key.split(",")[0] for key in WRONG_STARTS])
+def test_starts_that_do_not_fit(joint: str, message: str) -> None:
+    """Checked and run, a joint whose ends do not meet is refused by name."""
+    bodies = "bodies: {a: {kind: rigid, mass: 1, pose: {origin: [0, 0, 0.3]}}, b: {kind: rigid, mass: 1, pose: {origin: [1, 0, 0]}}}"
+    text = f"{HEAD}{bodies}\njoints:\n  j: {{type: {joint}}}\nsimulation: {{duration: 0.1, step: 1e-3}}\n"
+    model, source = read_text(text, name="model.yml")
+    with pytest.raises(maggi.ModelError, match=message) as caught:
+        maggi.run(model)
+    located = source.locate(caught.value)
+    assert (located.path, located.line) == ("joints.j", 4)
+    try:
+        problems = maggi.check(model).problems
+    except maggi.ModelError as error:
+        problems = (error,)
+    assert [problem for problem in problems if message in str(problem)]
+
+
+def test_a_bead_that_reaches_the_end_of_its_wire(run: Run) -> None:
+    text = BEADS.replace("[4, 0, -3]", "[1.2, 0, -0.9]").replace("duration: 0.4", "duration: 0.8")
+    with pytest.raises(maggi.SimulationError) as caught:
+        run(text)
+    # x = 12/50 g t² = 1.2 at t = 0.714
+    assert "0.71" in str(caught.value)

@@ -30,7 +30,7 @@ from .audit_report import (
 )
 from .connections import force_ends, loose_parts, unused_attachments
 from .first_instant import frames_at_start
-from .initial import initial_motion
+from .initial import initial_motion, refuse_undefined
 from .mobility import SINGULAR, mobility
 from .recorder import Progress
 from .snapshot import body_kind, visible_liaisons
@@ -90,6 +90,7 @@ def _initial(system: System, notes: list[str]) -> tuple[MotionState, tuple[Model
     except ModelError as error:
         motion = copy_motion(system.start)
         prescribe(system.motions, system.bodies, 0.0, motion)
+        refuse_undefined(system, motion)  # of such rows there is no rank to be told
         return motion, (error,)
 
 

@@ -30,10 +30,28 @@ def initial_motion(system: System, notes: list[str]) -> MotionState:
     motion = copy_motion(system.start)
     prescribe(system.motions, system.bodies, 0.0, motion)
     _ritz_coordinates(system, motion)
+    refuse_undefined(system, motion)
     refuse_overdriven(system, motion)
     _close_gaps(system, motion, notes)
     set_velocities(system, motion, notes)
     return motion
+
+
+def refuse_undefined(system: System, motion: MotionState) -> None:
+    """Raise ModelError where a joint's rows have no finite value: a formula outside its domain, a point where no normal is."""
+    with np.errstate(invalid="ignore"):
+        rows = dense_rows(system, motion, 0.0)
+    defined = np.isfinite(rows.A).all(axis=1) & np.isfinite(rows.velocity)
+    defined &= np.isfinite(np.where(system.holonomic, rows.position, 0.0))
+    if not defined.all():
+        wrong = int(np.argmin(defined))
+        name = system.owner(wrong).name
+        raise ModelError(
+            f"joint {name!r}: {system.row_label(wrong)} has no finite value in the initial pose",
+            path=f"joints.{name}",
+            remedy="keep formulas inside the domain of their functions, and points away from where a curve or surface "
+            "has no direction",
+        )
 
 
 def refuse_overdriven(system: System, motion: MotionState) -> None:

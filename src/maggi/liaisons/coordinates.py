@@ -116,7 +116,7 @@ def _rate(wrench: Array, attachments: AttachmentState, p: int, q: int) -> float:
     return float(value)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _curve_parameter(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
     """The parameter of a curve joint, less its initial value.
 

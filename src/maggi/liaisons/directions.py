@@ -96,7 +96,7 @@ def _distance(
     return length - float(jet[0])
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _roll(table: LiaisonTable, attachments: AttachmentState, i: int, D: Array, work: Array) -> float:
     """A disc or a sphere on the plane through the first's point, normal n = z of the first; centre on n's side.
 
@@ -143,7 +143,7 @@ def _relative_velocity(attachments: AttachmentState, p: int, q: int, D: Array, o
     to_local(attachments.rotation[p], y, out)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _surface(table: LiaisonTable, attachments: AttachmentState, i: int, D: Array, N: Array, Nd: Array) -> float:
     """F(x)/|∇F| for the second point x in the carrier's axes; N = R ∇F/|∇F|."""
     j = table.row[i, ROW_JOINT]
@@ -171,7 +171,7 @@ def _surface(table: LiaisonTable, attachments: AttachmentState, i: int, D: Array
     return value / size
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _on_curve(
     table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState, D: Array, work: Array
 ) -> float:
