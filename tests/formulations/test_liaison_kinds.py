@@ -44,6 +44,9 @@ def test_all_formulations_agree(kind, ends):
 def test_a_wrong_sign_of_any_gamma_is_noticed(kind):
     """γ of one row after the other is turned round in what Maggi's equations are given."""
     system, motion = between(kind, ("rigid", "rigid"), 8)
+    # no special state: away from the initial pose, and in motion
+    assert np.abs(motion.v).max() > 0.1
+    assert np.abs(motion.origin - system.start.origin).max() > 0.02
     question = question_at(system, motion, T)
     gamma = question.terms.gamma
     turned = np.flatnonzero(np.abs(gamma) > ROUND_OFF * np.abs(motion.v).max() ** 2)
@@ -53,14 +56,6 @@ def test_a_wrong_sign_of_any_gamma_is_noticed(kind):
         wrong = gamma.copy()
         wrong[row] = -wrong[row]
         assert not compare(replace(question, terms=replace(question.terms, gamma=wrong)), {"Kane": kane}, []).agree
-
-
-@KINDS
-def test_the_state_is_no_special_one(kind):
-    """Displaced from the initial pose, and in motion."""
-    system, motion = between(kind, ("rigid", "rigid"), 8)
-    assert np.abs(motion.v).max() > 0.1
-    assert np.abs(motion.origin - system.start.origin).max() > 0.02
 
 
 def test_nonholonomic_kinds_hold_no_position():

@@ -16,10 +16,13 @@ from maggi.linalg.rotations import rotation_matrix
 from maggi.model import (
     GROUND,
     Attachment,
+    BoxMesh,
     Cam,
     Coupler,
+    Damping,
     Distance,
     Driver,
+    ElasticBody,
     End,
     ExpressionCurve,
     ExpressionSurface,
@@ -28,7 +31,9 @@ from maggi.model import (
     JointCoordinate,
     KnifeEdge,
     LineQuadrature,
+    Material,
     Model,
+    NamedSet,
     Pfaffian,
     PfaffianFunction,
     PfaffianRow,
@@ -141,6 +146,17 @@ class Workshop:
             integrals = RitzIntegrals(1000.0, LineQuadrature(0.8, 1e-3, 5), stiffness, damping, matrix(inertia))
         return self._keep("e", RitzBody(integrals, shapes, rotations, pose=self.pose(), attachments={}))
 
+    def box(self):
+        """A soft box of two hexahedra, held at its ends; one rigid attachment, one averaged."""
+        size, rng = (0.6, 0.3, 0.2), self.rng
+        damping = Damping(float(rng.uniform(0.0, 2.0)), float(rng.uniform(0.0, 1e-2)))
+        material = Material(float(rng.uniform(10.0, 50.0)), 1e4, 0.3, damping)
+        attachments = {
+            "start": Attachment(nodes=NamedSet("x_min"), coupling="rigid"),
+            "end": Attachment(nodes=NamedSet("x_max"), coupling="average"),
+        }
+        return self._keep("m", ElasticBody(BoxMesh(size, (2, 1, 1)), material, self.pose(), attachments=attachments))
+
     def given(self):
         """A rigid body that moves as functions of time say."""
         rng = self.rng
@@ -167,16 +183,29 @@ class Workshop:
         return np.array(pose.origin) + np.array(pose.rotation) @ np.asarray(point)
 
     def is_elastic(self, name):
-        return name != GROUND and isinstance(self.bodies[name], RitzBody)
+        """Whether a body must be held at attachments."""
+        return name != GROUND and not isinstance(self.bodies[name], RigidBody)
+
+    def is_meshed(self, name):
+        """Whether a body has only the attachments that its mesh was given."""
+        return name != GROUND and isinstance(self.bodies[name], ElasticBody)
+
+    def mesh_attachments(self, name):
+        """Global places of a box's attachments by name."""
+        x, y, z = self.bodies[name].mesh.size
+        return {"start": self.to_global(name, [0.0, y / 2, z / 2]), "end": self.to_global(name, [x, y / 2, z / 2])}
 
     def end(self, name, place):
         """The end of a liaison at a global place: of an elastic body a new attachment there."""
         return self.attachment(name, place) if self.is_elastic(name) else End(name)
 
     def attachment(self, name, place):
-        """A new attachment at a global place; of ground a fixed point."""
+        """A new attachment at a global place; of ground a fixed point, of a box the attachment next to it."""
         if name == GROUND:
             return End(GROUND, point=vector(place))
+        if self.is_meshed(name):
+            places = self.mesh_attachments(name)
+            return End(name, min(places, key=lambda key: np.linalg.norm(places[key] - place)))
         attachments = self.bodies[name].attachments
         key = f"a{len(attachments)}"
         attachments[key] = Attachment(at=vector(self.to_body(name, place)))
@@ -190,7 +219,11 @@ class Workshop:
         attachments[end.attachment] = replace(attachments[end.attachment], point_masses=(mass,))
 
     def place(self, *names):
-        """A random global point near bodies."""
+        """A random global point near bodies; where one of them is a box, one of its attachments."""
+        for name in names:
+            if self.is_meshed(name):
+                places = self.mesh_attachments(name)
+                return places[str(self.rng.choice(list(places)))]
         origins = [self.to_global(name, np.zeros(3)) for name in names]
         return np.mean(origins, axis=0) + 0.3 * self.rng.normal(size=3)
 
@@ -554,11 +587,16 @@ def random_model(rng, features):
     shop = Workshop(rng)
     names = []
     for i in range(int(rng.integers(3, 6))):
-        elastic = features.elastic and (i == 0 or rng.random() < 0.3)
-        name = shop.ritz() if elastic else shop.rigid()
+        if features.elastic and i == 0:
+            name = shop.box() if rng.random() < 0.3 else shop.ritz()
+        else:
+            name = shop.ritz() if features.elastic and rng.random() < 0.3 else shop.rigid()
         parent = str(rng.choice([GROUND, *names]))
         LIAISONS[str(rng.choice(TREE))](shop, parent, name)
         names.append(name)
+    boxes = [name for name in names if shop.is_meshed(name)]
+    # a box is held and loaded at its own attachments only
+    names = [name for name in names if name not in boxes]
     if features.closed:
         for _ in range(int(rng.integers(1, 3))):
             first, second = _two(rng, [GROUND, *names])
@@ -575,7 +613,7 @@ def random_model(rng, features):
         LIAISONS[kind](shop, str(rng.choice([GROUND, *(n for n in names if not shop.is_elastic(n))])), shop.rigid())
     if rng.random() < 0.3:
         shop.point_mass(names[0])
-    _forces(shop, names)
+    _forces(shop, [*names, *boxes])
     return shop.model()
 
 
@@ -664,5 +702,5 @@ def _close(system, motion, t, moving):
         rows = dense_rows(system, motion, t)
         return rows.A[np.ix_(holonomic, moving)], rows.position[holonomic]
 
-    _, left = restore(rows_at, M, velocity_scale(system)[moving], 1e-13)
+    _, left = restore(rows_at, M, velocity_scale(system)[moving], 1e-12)
     return left < 1e-11

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
 
+from maggi.bodies.mesh_body import MeshBody
 from maggi.bodies.tables import MotionState
 from maggi.formulations import FORMULATIONS, Answer, Question, question_at
 from maggi.model.bodies import ElasticBody
@@ -19,6 +20,7 @@ from maggi.projection.maggi import accelerations, liaison_forces, project
 from maggi.system.build import build_system
 from maggi.system.system import System
 
+from .first_instant import frames_at_start
 from .initial import initial_motion
 
 Array = NDArray[np.float64]
@@ -28,6 +30,9 @@ AGREEMENT = 1e-9
 
 NO_INERTIA = 1e-11
 """An admitted motion counts as one without inertia where its kinetic energy is this much less than the largest."""
+
+MOST_FREEDOMS = 600
+"""A full mesh of more freedoms is taken as rigid: the other formulations are dense."""
 
 SMALL_PART = 1e-3
 """Accelerations below this part of the mechanism's largest are compared with that part of it, not with themselves."""
@@ -82,15 +87,32 @@ class Comparison:
 def compare_formulations(model: Model, announce: Callable[[str], None] = lambda text: None) -> Comparison:
     """Compare the formulations at a model's initial positions and velocities; needs no `simulation`.
 
-    Meshed bodies are taken as rigid.
+    Full meshes of up to `MOST_FREEDOMS` bend, larger ones are taken as rigid; reduced bodies bend in their shapes.
 
     Raises ModelError where the model cannot be assembled, has no consistent initial state, or has a body without points.
     """
-    meshed = [name for name, body in model.bodies.items() if isinstance(body, ElasticBody)]
-    system = build_system(model, rigid=frozenset(meshed), announce=announce)
+    elastic = frozenset(name for name, body in model.bodies.items() if isinstance(body, ElasticBody))
+    meshes: dict[str, MeshBody] = {}
+    if elastic:
+        build_system(model, rigid=elastic, meshes=meshes, announce=announce)
+    large = frozenset(
+        name
+        for name, body in model.bodies.items()
+        if isinstance(body, ElasticBody) and body.reduction is None and meshes[name].size > MOST_FREEDOMS
+    )
+    system = build_system(
+        model,
+        recorded=frames_at_start(model, announce),
+        rigid=large,
+        dense=True,
+        meshes=meshes,
+        announce=announce,
+    )
     notes: list[str] = []
     motion = initial_motion(system, notes)
-    notes += [f"{name} is meshed and taken as rigid" for name in meshed]
+    for name in sorted(large):
+        held = "" if model.bodies[name].motion is None else ", its frame free"
+        notes.append(f"{name} is taken as rigid{held}: its mesh has {meshes[name].size:,} freedoms")
     return compare_at(system, motion, 0.0, notes)
 
 
@@ -111,13 +133,15 @@ def compare(
     terms = question.terms
     S = project(terms.A, terms.scale).S
     reference = by_projection(question)
-    single = {name: force for name, force in reference.liaisons.items() if name not in _shared(question)}
+    shared = _shared(question)
+    single = {name: force for name, force in reference.liaisons.items() if name not in shared}
     free = np.asarray(np.linalg.lstsq(terms.M, terms.f, rcond=NO_INERTIA)[0])
+    inertia = np.asarray(np.abs(terms.M) @ np.abs(reference.accelerations) + np.abs(terms.f))
     differences = []
     for name, formulation in formulations.items():
         answer = formulation(question)
         between = [
-            _difference(question, answer.liaisons[liaison], force, 1.0 / terms.scale, terms.f)
+            _difference(question, answer.liaisons[liaison], force, 1.0 / terms.scale, inertia)
             for liaison, force in single.items()
             if liaison in answer.liaisons
         ]
@@ -125,16 +149,14 @@ def compare(
             Difference(
                 name,
                 _difference(question, answer.accelerations, reference.accelerations, terms.scale, free),
-                _difference(question, answer.joint_forces, reference.joint_forces, 1.0 / terms.scale, terms.f),
+                _difference(question, answer.joint_forces, reference.joint_forces, 1.0 / terms.scale, inertia),
                 max(between, default=0.0) if answer.liaisons else None,
             )
         )
     scaled = S * terms.scale[:, None]
     sizes = np.linalg.norm(scaled, axis=0)
     condition = float(np.linalg.cond(scaled / sizes)) if S.shape[1] else 1.0
-    return Comparison(
-        len(terms.f), S.shape[1], condition, tuple(differences), tuple(sorted(_shared(question))), tuple(notes)
-    )
+    return Comparison(len(terms.f), S.shape[1], condition, tuple(differences), tuple(sorted(shared)), tuple(notes))
 
 
 def by_projection(question: Question) -> Answer:
@@ -186,9 +208,9 @@ def _difference(question: Question, found: Array, expected: Array, unit: Array, 
 def _blocks(question: Question) -> list[NDArray[np.bool_]]:
     """The moving velocities of every body's frame, and of its elastic part."""
     blocks = []
-    for state in question.states.values():
+    for state in question.instant.states.values():
         for first, last in ((state.start, state.start + 6), (state.start + 6, state.start + state.size)):
-            block = (question.moving >= first) & (question.moving < last)
+            block = (question.instant.moving >= first) & (question.instant.moving < last)
             if block.any():
                 blocks.append(block)
     return blocks

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .free_bodies import FreeBody
-
 Array = NDArray[np.float64]
 
 RANK = 1e-10
@@ -32,11 +30,3 @@ def admissible(C: Array, gamma: Array, weight: Array) -> Admissible:
     rank = int(np.sum(values > RANK * values.max(initial=0.0)))
     particular = -Vt[:rank].T @ ((U[:, :rank].T @ (gamma / size)) / values[:rank])
     return Admissible(particular / weight, Vt[rank:].T / weight[:, None])
-
-
-def kinetic_weights(bodies: list[FreeBody], size: int) -> Array:
-    """Root of twice the kinetic energy of each unit velocity (n,); 1 for velocities of what has no mass."""
-    square = np.zeros(size)
-    for body in bodies:
-        square[body.slots] = np.einsum("p,kpi,kpi->k", body.masses, body.partial, body.partial)
-    return np.sqrt(np.where(square > 0.0, square, 1.0))

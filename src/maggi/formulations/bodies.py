@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,35 +16,12 @@ from maggi.model.expression import value_at
 from maggi.model.geometry import Pose
 from maggi.model.shapes import BoxQuadrature, LineQuadrature, RitzIntegrals
 
+from .elasticity import Elasticity, GivenMatrices, Rigid
 from .taylor import SKEW
 
 Array = NDArray[np.float64]
 
-
-class Elasticity(Protocol):
-    """What resists a body's deformation."""
-
-    def force(self, e: Array, rate: Array) -> Array:
-        """Generalised elastic and damping forces (n,) at elastic coordinates e (n,) with rates (n,)."""
-
-
-@dataclass(frozen=True, eq=False)
-class Rigid:
-    """Nothing: a rigid body has no elastic coordinates."""
-
-    def force(self, e: Array, rate: Array) -> Array:
-        return np.zeros_like(e)
-
-
-@dataclass(frozen=True, eq=False)
-class GivenMatrices:
-    """Stiffness and damping (n, n) as the description of a Ritz body gives them."""
-
-    stiffness: Array
-    damping: Array
-
-    def force(self, e: Array, rate: Array) -> Array:
-        return np.asarray(-self.stiffness @ e - self.damping @ rate)
+ROUND_OFF = 1e-13  # of the largest second moment: less is none
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +78,7 @@ def equivalent_points(mass: float, center: Array, inertia: Array) -> tuple[Array
     """
     second, axes = np.linalg.eigh(0.5 * np.trace(inertia) * np.eye(3) - inertia)
     largest = float(np.abs(second).max(initial=0.0))
+    second[np.abs(second) < ROUND_OFF * largest] = 0.0
     share = (mass if mass > 0.0 else largest) / 6.0
     if share == 0.0:
         return np.full(1, mass), center[None].copy()

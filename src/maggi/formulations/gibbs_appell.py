@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .admissible import admissible, kinetic_weights
-from .free_bodies import FreeBody, acceleration_rows, applied_forces, free_bodies, locked_at, places_at
+from .admissible import admissible
+from .instant import FreeBody
 from .question import Answer, Question
 
 Array = NDArray[np.float64]
@@ -23,15 +23,15 @@ NULL = 1e-13  # part of the largest singular value below which a motion has no i
 
 def gibbs_appell(question: Question) -> Answer:
     """Accelerations and joint forces by minimising Gauss' function."""
-    bodies, places = free_bodies(question), places_at(question)
-    force = applied_forces(question, places)
-    B, b = np.zeros((question.size, question.size)), np.zeros(question.size)
-    for body in bodies:
+    instant = question.instant
+    n, moving = instant.size, instant.moving
+    force = instant.applied_forces()
+    B, b = np.zeros((n, n)), np.zeros(n)
+    for body in instant.bodies:
         B[body.slots, body.slots], b[body.slots], rest = _root(body)
         force[body.slots] += body.elastic - rest
-    B, force = B[:, question.moving], force[question.moving]
-    C, gamma = acceleration_rows(question, locked_at(question, places))
-    allowed = admissible(C, gamma, kinetic_weights(bodies, question.size)[question.moving])
+    B, force = B[:, moving], force[moving]
+    allowed = admissible(*instant.acceleration_rows(), instant.kinetic_weights())
     U, values, Vt = np.linalg.svd(B @ allowed.motions, full_matrices=False)
     kept = values > NULL * values.max(initial=0.0)
     U, values, Vt = U[:, kept], values[kept], Vt[kept]

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .constraints.locked import Locked, Places, Wrench
-from .free_bodies import FreeBody, acceleration_rows, free_bodies, locked_at, places_at
+from .constraints.locked import Wrench
+from .instant import FreeBody, Instant
 from .kinematics import partials
 from .linear import least_squares
 from .question import Answer, Question
@@ -21,62 +21,55 @@ Array = NDArray[np.float64]
 
 def newton_euler(question: Question) -> Answer:
     """Accelerations and joint forces, joint by joint, from the equations of all free bodies."""
-    bodies, places = free_bodies(question), places_at(question)
-    locked = locked_at(question, places)
-    wrenches = [wrench for entry in locked.values() for wrench in entry.wrenches]
-    n, w, moving = question.size, len(wrenches), question.moving
-    momentum, right = np.zeros((n, n)), np.zeros(n)
-    joint = np.zeros((n, w))
-    for body in bodies:
-        frame = _Resultant(question, body, places)
-        momentum[body.slots, body.slots], right[body.slots] = frame.momentum()
-        for force in question.mechanism.forces.values():
-            right[body.slots] += frame.of(force.at(places))
+    instant = question.instant
+    n, moving = instant.size, instant.moving
+    wrenches = [wrench for entry in instant.locked.values() for wrench in entry.wrenches]
+    momentum, right, joint = np.zeros((n, n)), np.zeros(n), np.zeros((n, len(wrenches)))
+    for body in instant.bodies:
+        resultant = Resultant(instant, body)
+        momentum[body.slots, body.slots], right[body.slots] = resultant.momentum()
+        for force in instant.mechanism.forces.values():
+            right[body.slots] += resultant.of(force.at(instant.places))
         for k, wrench in enumerate(wrenches):
-            joint[body.slots, k] = frame.of(wrench)
-    C, gamma = acceleration_rows(question, locked)
-    equations = np.block([[momentum[np.ix_(moving, moving)], -joint[moving]], [C, np.zeros((len(C), w))]])
+            joint[body.slots, k] = resultant.of(wrench)
+    C, gamma = instant.acceleration_rows()
+    equations = np.block([[momentum[np.ix_(moving, moving)], -joint[moving]], [C, np.zeros((len(C), len(wrenches)))]])
     solution = least_squares(equations, np.concatenate([right[moving], -gamma]))
     accelerations, strengths = solution[: len(moving)], solution[len(moving) :]
-    liaisons = _by_liaison(question, locked, strengths)
-    total = sum(liaisons.values(), np.zeros(len(moving)))
-    return Answer(accelerations, total, liaisons)
+    liaisons = _by_liaison(instant, strengths)
+    return Answer(accelerations, np.sum([np.zeros(len(moving)), *liaisons.values()], axis=0), liaisons)
 
 
-def _by_liaison(question: Question, locked: dict[str, Locked], strengths: Array) -> dict[str, Array]:
-    """Generalised forces (k,) of each liaison."""
-    result, first = {}, 0
-    for name, entry in locked.items():
-        force = np.zeros(question.size)
+def _by_liaison(instant: Instant, strengths: Array) -> dict[str, Array]:
+    """Generalised forces (k,) of each liaison, from the strengths (w,) of all wrenches."""
+    result, left = {}, list(strengths)
+    for name, entry in instant.locked.items():
+        force = np.zeros(instant.size)
         for wrench in entry.wrenches:
-            force += strengths[first] * wrench.generalised(question.size)
-            first += 1
-        result[name] = force[question.moving]
+            force += left.pop(0) * wrench.generalised(instant.size)
+        result[name] = force[instant.moving]
     return result
 
 
-class _Resultant:
-    """Resultants on one free body: force, moment about its centre of mass (global), and work on its shape functions."""
+class Resultant:
+    """What acts on one free body: force, moment about its centre of mass (global), and work on its shape functions."""
 
-    def __init__(self, question: Question, body: FreeBody, places: Places) -> None:
+    def __init__(self, instant: Instant, body: FreeBody) -> None:
         self._body = body
-        self._size = question.size
+        self._size = instant.size
+        frame = instant.places.body(body.name).frame
         mass = float(body.masses.sum())
-        motion = places.body(body.name)
-        self._frame = motion.frame
-        self._centre = body.masses @ body.position / mass if mass > 0.0 else motion.frame.position.value
+        self._centre = body.masses @ body.position / mass if mass > 0.0 else frame.position.value
         # displacements of the points for unit elastic coordinates, global
-        shapes = question.mechanism.bodies[body.name].shapes
-        self._modes = np.einsum("ij,pja->api", motion.frame.axes.value, shapes)
+        self._modes = np.einsum("ij,pja->api", frame.axes.value, instant.mechanism.bodies[body.name].shapes)
 
     def momentum(self) -> tuple[Array, Array]:
-        """Slopes (s, s) of the rates of momentum to v̇, and minus what they are at v̇ = 0, elastic forces included."""
+        """Slopes (s, s) of the rates of momentum to v̇; and what acts less these rates at v̇ = 0 (s,): elastic forces."""
         body = self._body
         force = body.masses[:, None] * body.acceleration
-        arms = body.position - self._centre
-        rows = np.concatenate(
-            [force.sum(axis=1), np.cross(arms, force).sum(axis=1), np.einsum("api,kpi->ka", self._modes, force)], axis=1
-        )
+        moment = np.cross(body.position - self._centre, force)
+        work = np.einsum("api,kpi->ka", self._modes, force)
+        rows = np.concatenate([force.sum(axis=1), moment.sum(axis=1), work], axis=1)
         return rows[1:].T, body.elastic - rows[0]
 
     def of(self, wrench: Wrench) -> Array:
@@ -88,7 +81,7 @@ class _Resultant:
                 continue
             result[:3] += force
             result[3:6] += torque + np.cross(frame.position.value - self._centre, force)
-            elastic = slice(body.start + 6, body.start + len(result))
-            velocity, rotation = partials(frame, self._size)
-            result[6:] += velocity[elastic] @ force + rotation[elastic] @ torque
+            if len(result) > 6:
+                velocity, rotation = partials(frame, self._size)
+                result[6:] += (velocity @ force + rotation @ torque)[body.slots][6:]
         return result

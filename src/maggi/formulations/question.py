@@ -8,32 +8,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.tables import FIXED, MotionState
+from maggi.bodies.tables import FIXED, MESH, MotionState
+from maggi.model.bodies import ElasticBody
+from maggi.model.meshes import BeamMesh
 from maggi.system.system import System
 
 from .bodies import with_inertia
+from .instant import Instant
 from .kinematics import BodyState
-from .mechanism import Mechanism, mechanism_of
+from .mechanism import mechanism_of
 from .terms import Terms, terms_at
 
 Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """A mechanism at one state.
+    """A mechanism at one state: in points for Gibbs–Appell, Kane and Newton–Euler, as matrices for Maggi and Lagrange."""
 
-    t (s); mechanism and states (by body): what it is made of and where that is, all that Gibbs–Appell, Kane and
-    Newton–Euler look at. size: number n of all velocities; moving (k,): which of them are unknown, frames that move as
-    prescribed being none. terms: the program's own matrices at this state, for Maggi and Lagrange.
-    """
-
-    t: float
-    mechanism: Mechanism
-    states: Mapping[str, BodyState]
-    size: int
-    moving: IntArray
+    instant: Instant
     terms: Terms
 
 
@@ -67,7 +60,11 @@ def question_at(system: System, motion: MotionState, t: float, floor: bool = Fal
         for b in range(bodies.kind.size)
         if bodies.kind[b] != FIXED
     ]
-    mechanism = mechanism_of(system.model, {})
+    if np.any(bodies.kind == MESH):
+        raise ValueError(
+            "a full mesh has no coordinates here: build the system with `dense`, or take the body as rigid"
+        )
+    mechanism = mechanism_of(system.model, _fields(system))
     states = {}
     added: dict[str, float] = {}
     for entry in system.body_entries:
@@ -88,4 +85,17 @@ def question_at(system: System, motion: MotionState, t: float, floor: bool = Fal
     heavier = {name: with_inertia(mechanism.bodies[name], moment) for name, moment in added.items()}
     mechanism = replace(mechanism, bodies={**mechanism.bodies, **heavier})
     indices = np.concatenate([np.empty(0, dtype=np.int64), *moving])
-    return Question(t, mechanism, states, system.coordinates, indices, terms_at(system, motion, t, indices, floor))
+    instant = Instant(t, mechanism, states, system.coordinates, indices)
+    return Question(instant, terms_at(system, motion, t, indices, floor))
+
+
+def _fields(system: System) -> dict[str, Array]:
+    """Nodal displacements for unit coordinates of meshed bodies on shapes, (nodes, 3, n); with beams' rotations (nodes, 6, n)."""
+    fields = {}
+    for entry in system.body_entries:
+        reduced = system.reduced.get(entry.index)
+        if reduced is not None:
+            body, basis = system.model.bodies[entry.name], reduced.basis
+            beam = isinstance(body, ElasticBody) and isinstance(body.mesh, BeamMesh)
+            fields[entry.name] = basis.reshape(-1, 6, basis.shape[1]) if beam else reduced.nodal_basis()
+    return fields

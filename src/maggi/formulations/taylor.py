@@ -108,8 +108,8 @@ def product(subscripts: str, a: Taylor, b: Taylor | Array) -> Taylor:
         return Taylor(known, np.einsum(rows_first, a.highest, constant_factor))
     a, b = _same_order(a, b)
     x, y = _same_rows(
-        np.einsum(rows_first, a.highest, b.known[0], optimize=True),
-        np.einsum(rows_second, a.known[0], b.highest, optimize=True),
+        np.einsum(rows_first, a.highest, b.known[0]),
+        np.einsum(rows_second, a.known[0], b.highest),
     )
     highest = x + y
     value = np.asarray(np.einsum(subscripts, a.known[0], b.known[0]))
