@@ -124,6 +124,7 @@ simulation: {duration: 0.5, step: 1e-3}
 """
 
 
+@pytest.mark.filterwarnings("ignore:joints repeat each other")
 def test_bent_shafts_turn_alike(run: Run) -> None:
     results = run(SHAFTS)
     np.testing.assert_allclose(results.joint("output").coordinate[:, 0], 20 * results.time, atol=1e-11)
