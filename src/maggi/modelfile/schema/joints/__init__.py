@@ -8,14 +8,7 @@ from pydantic import Discriminator, Tag
 
 from ..fields import by_value
 from .contacts import CamSection, ContactSection, PointOnCurveSection, PointOnSurfaceSection
-from .couplers import (
-    BeltSection,
-    CouplerSection,
-    GearSection,
-    LinearCouplerSection,
-    RackSection,
-    RelationCouplerSection,
-)
+from .couplers import BeltSection, CouplerSection, GearSection, RackSection
 from .distance import DistanceSection
 from .drivers import DriverSection
 from .pairs import (
@@ -27,6 +20,7 @@ from .pairs import (
     UniversalSection,
 )
 from .pfaffian import PfaffianSection
+from .relations import LinearCouplerSection, RelationCouplerSection
 from .rolling import KnifeEdgeSection, RollingDiscSection, RollingSection, RollingSphereSection
 
 __all__ = [
