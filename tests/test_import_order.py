@@ -33,11 +33,11 @@ BELOW: dict[str, tuple[str, ...]] = {
     "formulations": ("projection",),
     "integrators": ("linalg",),
     "stepping": ("projection", "integrators"),
-    "analyses": ("stepping",),
+    "analyses": ("stepping", "formulations"),
     "results": ("analyses",),
     "view": ("results",),
     "modelfile": ("model",),
-    "cli": ("view", "modelfile", "formulations"),
+    "cli": ("view", "modelfile"),
     # Single modules beside the packages.
     "_numba_cache": (),
     "api": ("results", "modelfile"),

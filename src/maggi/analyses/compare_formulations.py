@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from scipy.linalg import null_space
 from maggi.bodies.mesh_body import MeshBody
 from maggi.bodies.tables import MotionState
 from maggi.formulations import FORMULATIONS, Answer, Question, question_at
-from maggi.model.bodies import ElasticBody
+from maggi.model.bodies import CraigBampton, ElasticBody
 from maggi.model.model import Model
 from maggi.projection.maggi import accelerations, liaison_forces, project
 from maggi.system.build import build_system
@@ -31,8 +31,11 @@ AGREEMENT = 1e-9
 NO_INERTIA = 1e-11
 """An admitted motion counts as one without inertia where its kinetic energy is this much less than the largest."""
 
-MOST_FREEDOMS = 600
-"""A full mesh of more freedoms is taken as rigid: the other formulations are dense."""
+COMPLETE, REDUCED = 600, 20_000
+"""A full mesh of more freedoms than these is taken in a few shapes, or as rigid: the other formulations are dense."""
+
+MODES = 4
+"""With the attachments held, of meshes that are taken in a few shapes."""
 
 SMALL_PART = 1e-3
 """Accelerations below this part of the mechanism's largest are compared with that part of it, not with themselves."""
@@ -83,36 +86,51 @@ class Comparison:
         """Everything as dictionaries, lists, texts and numbers, ready for `json.dumps`."""
         return {**asdict(self), "tolerance": self.tolerance, "agree": self.agree}
 
+    def text(self) -> str:
+        """Everything in lines for a person."""
+        heads = ("", "accelerations", "joint forces", "joint by joint")
+        rows = [
+            (
+                d.formulation,
+                *(" " if x is None else f"{x:.1e}" for x in (d.accelerations, d.joint_forces, d.single_joints)),
+            )
+            for d in self.differences
+        ]
+        verdict = "all five agree" if self.agree else "THEY DISAGREE: please report it with the model"
+        lines = [
+            "Five formulations at the initial state",
+            f"  {self.velocities} velocities, {self.freedoms} of them independent; largest relative differences from Maggi's:",
+            *(f"    {name:<13}{a:>15}{b:>15}{c:>16}".rstrip() for name, a, b, c in (heads, *rows)),
+            f"  {verdict} (round-off is what lies below {self.tolerance:.1e})",
+        ]
+        if self.shared:
+            lines.append(f"  only the sum of their forces is determined: {', '.join(self.shared)}")
+        return "\n".join([*lines, *(f"  {note}" for note in self.notes)])
+
 
 def compare_formulations(model: Model, announce: Callable[[str], None] = lambda text: None) -> Comparison:
     """Compare the formulations at a model's initial positions and velocities; needs no `simulation`.
 
-    Full meshes of up to `MOST_FREEDOMS` bend, larger ones are taken as rigid; reduced bodies bend in their shapes.
+    Full meshes of up to `COMPLETE` freedoms bend as they are, of up to `REDUCED` in a few shapes; larger ones are rigid.
 
     Raises ModelError where the model cannot be assembled, has no consistent initial state, or has a body without points.
     """
-    elastic = frozenset(name for name, body in model.bodies.items() if isinstance(body, ElasticBody))
+    meshed = {name: body for name, body in model.bodies.items() if isinstance(body, ElasticBody)}
     meshes: dict[str, MeshBody] = {}
-    if elastic:
-        build_system(model, rigid=elastic, meshes=meshes, announce=announce)
-    large = frozenset(
-        name
-        for name, body in model.bodies.items()
-        if isinstance(body, ElasticBody) and body.reduction is None and meshes[name].size > MOST_FREEDOMS
-    )
-    system = build_system(
-        model,
-        recorded=frames_at_start(model, announce),
-        rigid=large,
-        dense=True,
-        meshes=meshes,
-        announce=announce,
-    )
+    if meshed:
+        build_system(model, rigid=frozenset(meshed), meshes=meshes, announce=announce)
+    large = [name for name, body in meshed.items() if body.reduction is None and meshes[name].size > COMPLETE]
+    rigid = frozenset(name for name in large if meshes[name].size > REDUCED)
+    reduced = {name: replace(meshed[name], reduction=CraigBampton(MODES)) for name in large if name not in rigid}
+    taken = replace(model, bodies={**model.bodies, **reduced})
+    recorded = frames_at_start(model, announce)
+    system = build_system(taken, recorded=recorded, rigid=rigid, dense=True, meshes=meshes, announce=announce)
     notes: list[str] = []
     motion = initial_motion(system, notes)
-    for name in sorted(large):
-        held = "" if model.bodies[name].motion is None else ", its frame free"
-        notes.append(f"{name} is taken as rigid{held}: its mesh has {meshes[name].size:,} freedoms")
+    for name in large:
+        how = "as rigid" if name in rigid else f"with {MODES} modes and the shapes of its attachments"
+        held = ", its frame free" if name in rigid and meshed[name].motion is not None else ""
+        notes.append(f"{name} is taken {how}{held}: its mesh has {meshes[name].size:,} freedoms")
     return compare_at(system, motion, 0.0, notes)
 
 
@@ -195,6 +213,8 @@ def _difference(question: Question, found: Array, expected: Array, unit: Array, 
     unit (k,): makes components of one kind. natural (k,): what the quantity would be like without liaisons; where the
     expected one all but vanishes beside that or beside other bodies, a small part of these counts instead.
     """
+    if not np.isfinite(found).all():
+        return math.inf
     least = SMALL_PART * max(np.abs(unit * expected).max(initial=0.0), np.abs(unit * natural).max(initial=0.0))
     worst = 0.0
     for block in _blocks(question):

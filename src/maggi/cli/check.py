@@ -14,8 +14,14 @@ from .outcome import Outcome
 @options.model
 @options.overrides
 @options.as_json
+@click.option(
+    "--formulations",
+    is_flag=True,
+    help="Also compute accelerations and joint forces at t = 0 by Lagrange, Gibbs–Appell, Kane and Newton–Euler, "
+    "and compare them with Maggi's; exit status 1 where they disagree.",
+)
 @click.pass_context
-def check(ctx: click.Context, model: str, overrides: tuple[str, ...], as_json: bool) -> None:
+def check(ctx: click.Context, model: str, overrides: tuple[str, ...], as_json: bool, formulations: bool) -> None:
     """Check MODEL without running it: freedoms, masses, node sets, liaisons and their rank.
 
     What stands against a run is told last, and makes the exit status 2.
@@ -29,11 +35,25 @@ def check(ctx: click.Context, model: str, overrides: tuple[str, ...], as_json: b
         found = audit(described)
     except ModelError as error:
         raise (source.locate(error) if error.path else error) from error
-    problems = tuple(source.locate(problem) for problem in found.problems)
-    outcome = Outcome("error" if problems else "complete", errors=problems, more={"model": found.data()})
+    problems = [*found.problems]
+    more, text = {"model": found.data()}, [found.text()]
+    agree = True
+    if formulations and not problems:
+        from maggi.analyses.compare_formulations import compare_formulations
+
+        try:
+            comparison = compare_formulations(described)
+        except ModelError as error:
+            problems.append(error)
+        else:
+            agree = comparison.agree
+            more["formulations"] = comparison.data()
+            text.append(comparison.text())
+    errors = tuple(source.locate(problem) for problem in problems)
+    outcome = Outcome("error" if errors else "complete" if agree else "failed", errors=errors, more=more)
     if as_json:
         outcome.print_json()
     else:
-        click.echo(found.text())
+        click.echo("\n\n".join(text))
     outcome.print_errors()
     ctx.exit(outcome.exit_code)
