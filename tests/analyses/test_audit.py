@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from maggi.analyses.audit import audit
+from maggi.analyses.build_scene import build_scene
+from maggi.analyses.modal import body_modes
 from maggi.modelfile import read, read_text
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "slider_crank" / "slider_crank.yml"
@@ -147,6 +149,42 @@ def test_meshed_body(coupling, freedoms):
     assert (counts.velocities, counts.rank, counts.freedoms) == (freedoms, 5, freedoms - 5)
     assert (counts.rigid_velocities, counts.rigid_rank, counts.rigid_mobility) == (6, 5, 1)
     assert found.unused == ("bar.b",)
+
+
+def test_reduced_body():
+    """Twelve interface motions less the six rigid ones, and modes; the text says what was kept."""
+    found = audited(elastic(reduction="{method: craig-bampton, modes: 5}"))
+    (bar,) = found.bodies
+    assert (bar.kind, bar.freedoms, bar.nodes) == ("reduced", 6 + 6 + 5, 12)
+    assert bar.mass == pytest.approx(160.0, rel=1e-12)
+    reduction = bar.reduction
+    assert reduction is not None and reduction.range is not None and reduction.highest is not None
+    assert (reduction.freedoms, reduction.modes, reduction.interface, reduction.coordinates) == (24, 5, 12, 11)
+    # the same body's modes by another way, which has 2e-8 of round-off
+    body = read_text(elastic())[0]
+    modes = body_modes(body, "bar", 5, ("a", "b")).frequencies
+    assert reduction.highest == pytest.approx(modes[-1], rel=1e-7)
+    assert found.mobility.freedoms == 12
+    text = found.text()
+    assert "bar (elastic, reduced): 17 freedoms" in text
+    assert (
+        f"craig-bampton, 24 freedoms to 11 coordinates: 5 modes with the attachments held up to {modes[-1]:.5g} Hz"
+        in text
+    )
+    assert json.loads(json.dumps(found.data()))["bodies"][0]["reduction"]["interface"] == 12
+
+
+def test_reduced_body_without_modes():
+    found = audited(elastic(reduction="{method: craig-bampton, modes: 0}"))
+    assert found.bodies[0].reduction is not None and found.bodies[0].reduction.highest is None
+    assert "0 modes with the attachments held, 12 interface freedoms" in found.text()
+
+
+def test_a_scene_needs_no_reduction(monkeypatch):
+    """Undeformed bodies look the same, so that nothing is factorised for a drawing."""
+    monkeypatch.delattr("maggi.system.build.craig_bampton")
+    scene = build_scene(read_text(elastic(reduction="{method: craig-bampton, modes: 5}"))[0])
+    assert scene.bodies[0].nodes is not None and len(scene.bodies[0].nodes) == 12
 
 
 def test_beam():

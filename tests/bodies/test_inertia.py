@@ -105,6 +105,20 @@ def test_constants(case):
     close(inertia.matrix.toarray(), terms.m)
 
 
+def test_constants_on_a_basis(case):
+    """Those of u = Ψ e are the full ones between Ψ (a full Ψ, so that no symmetry of shapes hides a transposition)."""
+    inertia, terms = case
+    basis = np.random.default_rng(5).normal(size=(len(terms.m), 4))
+    found = inertia.constants(basis)
+    for name in ("mass", "S0", "J0"):
+        close(getattr(found, name), getattr(terms, name))
+    for name in ("m", "G", "H"):
+        close(getattr(found, name), basis.T @ getattr(terms, name) @ basis)
+    for name in ("s", "s2"):
+        close(getattr(found, name), getattr(terms, name) @ basis)
+    close(found.m_O, basis.T @ terms.m_O)
+
+
 def mass_of_everything(terms, u):
     """The (6 + n)² mass matrix, column by column from accelerations alone."""
     n = len(u)

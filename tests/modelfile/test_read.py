@@ -18,6 +18,7 @@ from maggi.model import (
     BeamMesh,
     BoxMesh,
     BoxSet,
+    CraigBampton,
     Driver,
     ElasticBody,
     End,
@@ -50,6 +51,25 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "rod.msh").write_text("")
     (tmp_path / "model.yml").write_text(CONTRACT, encoding="utf-8")
     return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("none", None),
+        ("{method: craig-bampton, modes: 12}", CraigBampton(12)),
+        ("{modes: 2*n, method: craig-bampton}", CraigBampton(6)),
+        ("{method: craig-bampton, modes: 0}", CraigBampton(0)),
+    ],
+)
+def test_reductions(text: str, expected: CraigBampton | None) -> None:
+    mesh = "{beam: {length: 1, section: {circle: {diameter: 0.1}}, elements: 3}}"
+    model, _ = read_text(
+        f"maggi: 1\nparameters: {{n: 3}}\nbodies:\n  bar: {{kind: elastic, mesh: {mesh}, "
+        f"material: {{density: 1000, young: 1e9, poisson: 0.3}}, reduction: {text}}}\n"
+    )
+    bar = model.bodies["bar"]
+    assert isinstance(bar, ElasticBody) and bar.reduction == expected
 
 
 def test_the_contract(folder: Path) -> None:

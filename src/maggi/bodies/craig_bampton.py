@@ -66,7 +66,7 @@ def _sparse(body: MeshBody, B: sp.csc_matrix, count: int, path: str) -> tuple[Ar
     M = body.inertia.matrix.tocsr()
     M.eliminate_zeros()  # most of its 3×3 blocks are diagonal
     try:
-        squares, modes = lowest_modes(held.displacements if held else statics.floating, M, count, 6 * count + 100)
+        squares, modes = lowest_modes(held.displacements if held else statics.floating, M, count, 6 * count + 200)
     except ModesNotFoundError as error:
         raise ModelError(str(error), path=f"{path}.modes", remedy="ask for fewer modes") from None
     return squares, modes, static

@@ -54,9 +54,10 @@ class ReducedBody:
 
     def rigid_motions(self) -> Array:
         """Coordinates (n, 6) of the rigid motions Φ on a prescribed frame; (n, 0) on a floating one, which has none."""
-        if self.shapes.rigid == 0:
-            return np.empty((len(self.terms.m), 0))
-        return np.asarray(np.linalg.solve(self.terms.m, self.basis.T @ self.body.C))
+        first = self.shapes.rigid
+        rigid = np.zeros((self.basis.shape[1], first))
+        rigid[:first] = np.linalg.solve(self.terms.m[:first, :first], self.basis[:, :first].T @ self.body.C[:, :first])
+        return rigid
 
 
 def reduce_body(body: MeshBody, shapes: Shapes) -> ReducedBody:

@@ -17,7 +17,10 @@ Array = NDArray[np.float64]
 
 BLOCK = 8
 TOLERANCE = 1e-11  # of a residual, relative to its eigenvalue of the inverse
-DEPENDENT = 1e-20  # a direction whose squared length falls below this part of the longest is round-off
+CONFIRMED = 2  # steps with fresh directions, after which nothing more must have been found
+# A column that falls below the first of these parts of its length when what is known is taken out, and a direction of
+# unit columns whose squared length falls below the second, is round-off.
+EXHAUSTED, DEPENDENT = 1e-11, 1e-13
 
 
 class ModesNotFoundError(RuntimeError):
@@ -33,48 +36,62 @@ def lowest_modes(inverse: Callable[[Array], Array], M: Any, count: int, most: in
     M : (n, n), anything that multiplies; positive definite.
     most : how many vectors are kept at most.
 
-    Raises ModesNotFoundError if so many vectors do not do.
+    Blocks find an eigenvalue as often as they are wide. So that none is missed that comes more often, as those of many equal
+    blades on one hub, some fresh directions are followed at the end. Raises ModesNotFoundError if `most` do not do.
     """
     n = int(M.shape[0])
     rng = np.random.default_rng(0)
+
+    def fresh() -> Array:
+        return inverse(M @ rng.standard_normal((n, BLOCK)))
+
     Q = np.empty((n, most), order="F")  # memory is taken as columns are written
     T = np.zeros((0, 0))  # Qᵀ M inverse M Q
     used = 0
-    block, image, _ = _orthonormal(inverse(M @ rng.standard_normal((n, BLOCK))), Q[:, :0], M)
+    found, confirmed = np.empty(0), 0
+    block, image, _ = _orthonormal(fresh(), Q[:, :0], M)
     while block.shape[1] and used + block.shape[1] <= most:
         width, used = used, used + block.shape[1]
         Q[:, width:used] = block
-        block, image, part = _orthonormal(inverse(image), Q[:, :used], M)
+        following, image, part = _orthonormal(inverse(image), Q[:, :used], M)
         inside, outside = part[:used], part[used:]
         corner = inside[width:]
         T = np.block([[T, inside[:width]], [inside[:width].T, 0.5 * (corner + corner.T)]])
         theta, y = np.linalg.eigh(T)
         theta, y = theta[::-1][:count], y[:, ::-1][:, :count]
-        if used >= count:
-            residual = np.linalg.norm(outside @ y[width:], axis=0)
-            if (residual <= TOLERANCE * theta).all():
+        block = following
+        residual = np.linalg.norm(outside @ y[width:], axis=0)
+        if used >= count and (residual <= TOLERANCE * theta).all():
+            if found.size == 0 or np.abs(theta / found - 1.0).max() > 1e-8:
+                found, confirmed = theta, 0
+                block, image, _ = _orthonormal(np.hstack([following, fresh()]), Q[:, :used], M)
+            else:
+                confirmed += 1
+            if confirmed == CONFIRMED or block.shape[1] == 0:
                 return 1.0 / theta, Q[:, :used] @ y
-        if block.shape[1] == 0:  # the space that the first block leads to is exhausted
-            block, image, _ = _orthonormal(inverse(M @ rng.standard_normal((n, BLOCK))), Q[:, :used], M)
+        elif block.shape[1] == 0:  # the space that the first block leads to is exhausted
+            block, image, _ = _orthonormal(fresh(), Q[:, :used], M)
     raise ModesNotFoundError(f"{count} modes were not found among {used} vectors")
 
 
 def _orthonormal(X: Array, Q: Array, M: Any) -> tuple[Array, Array, Array]:
     """M-orthonormal columns Y of what X has outside Q, M Y, and the coefficients of X in [Q, Y]."""
+    inside, outside = np.zeros((Q.shape[1], X.shape[1])), np.eye(X.shape[1])
     image = M @ X
-    largest = float(np.abs(np.einsum("ij,ij->j", X, image)).max(initial=0.0))
-    inside = Q.T @ image
-    X = X - Q @ inside
-    image = M @ X
-    rest = Q.T @ image
-    X -= Q @ rest
-    squares, turn = np.linalg.eigh(X.T @ image)
-    kept = squares > DEPENDENT * largest
-    length = np.sqrt(squares[kept])
-    X = (X @ turn[:, kept]) / length
-    # once more: the first Gram matrix has the square of the columns' condition number
-    image = M @ X
-    squares, again = np.linalg.eigh(X.T @ image)
-    scaled = again / np.sqrt(squares)
-    outside = (np.sqrt(squares)[:, None] * again.T) @ (length[:, None] * turn[:, kept].T)
-    return X @ scaled, image @ scaled, np.vstack([inside + rest, outside])
+    for _ in range(2):  # the second time for the digits that short columns have lost
+        before = np.einsum("ij,ij->j", X, image)
+        share = Q.T @ image
+        X = X - Q @ share
+        inside += share @ outside
+        image = M @ X
+        square = np.einsum("ij,ij->j", X, image)
+        kept = square > EXHAUSTED**2 * before
+        length = np.sqrt(square[kept])
+        unit = X[:, kept] / length
+        squares, turn = np.linalg.eigh(unit.T @ (image[:, kept] / length))
+        independent = squares > DEPENDENT
+        scale = np.sqrt(squares[independent])
+        X = unit @ (turn[:, independent] / scale)
+        outside = (scale[:, None] * turn[:, independent].T * length) @ outside[kept]
+        image = M @ X
+    return X, image, np.vstack([inside, outside])
