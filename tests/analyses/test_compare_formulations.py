@@ -32,7 +32,7 @@ def test_the_example():
 
 def test_what_redundant_joints_share_is_named():
     """Four parallel revolutes: what each bears out of the plane is not determined, the sum on each body is."""
-    found = compare_formulations(four_bar())
+    found = maggi.compare(four_bar())
     assert found.agree
     assert set(found.shared) == {"j0", "j1", "j2", "j3"}
     assert (found.velocities, found.freedoms) == (18, 1)
