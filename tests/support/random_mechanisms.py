@@ -692,15 +692,14 @@ def admitted_velocities(system, motion, t, wanted, moving):
 
 def _close(system, motion, t, moving):
     holonomic = np.flatnonzero(system.holonomic)
-    base = copy_motion(motion)
     M = dense_mass(system, motion)[np.ix_(moving, moving)]
 
-    def rows_at(increment):
+    def rows_at(step):
         shift = np.zeros(system.coordinates)
-        shift[moving] = increment
-        move(system.bodies, base, shift, motion)
+        shift[moving] = step
+        move(system.bodies, motion, shift, motion)
         rows = dense_rows(system, motion, t)
         return rows.A[np.ix_(holonomic, moving)], rows.position[holonomic]
 
-    _, left = restore(rows_at, M, velocity_scale(system)[moving], 1e-12)
+    left = restore(rows_at, M, velocity_scale(system)[moving], 1e-12)
     return left < 1e-11

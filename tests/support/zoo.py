@@ -212,31 +212,22 @@ def held_state(system, seed, t, speed=1.0, spread=0.2):
     """
     rng = np.random.default_rng(seed)
     free = unknown(system)
-    base = copy_motion(system.start)
-    base.v[:] = 0.0
+    state = copy_motion(system.start)
+    state.v[:] = 0.0
     scale = velocity_scale(system)[free]
-    state = copy_motion(base)
     previous = np.zeros(len(system.liaisons.coordinate))
 
-    def moved(increment):
+    def moved(step):
         full = np.zeros(system.coordinates)
-        full[free] = increment
-        move(system.bodies, base, full, state)
+        full[free] = step
+        move(system.bodies, state, full, state)
         rows = dense_rows(system, state, t, previous)
         return rows.A[system.holonomic][:, free], rows.position[system.holonomic]
 
-    for attempt in range(4):
-        step = np.zeros(system.coordinates)
-        step[free] = spread * rng.normal(size=free.size) if attempt == 0 else 0.0
-        move(system.bodies, base, step, state)
-        for source, target in zip(state, base, strict=True):
-            target[:] = source
-        _, left = restore(moved, np.diag(scale**2), scale, 1e-13, attempts=40)
-        for source, target in zip(state, base, strict=True):
-            target[:] = source
-        if left <= 1e-13:
-            break
-    else:
+    start = np.zeros(system.coordinates)
+    start[free] = spread * rng.normal(size=free.size)
+    move(system.bodies, state, start, state)
+    if restore(moved, np.diag(scale**2), scale, 1e-13, attempts=40) > 1e-13:
         return None
     rows = dense_rows(system, state, t, previous)
     A = rows.A[:, free]

@@ -126,16 +126,15 @@ def _close_gaps(system: System, motion: MotionState, notes: list[str]) -> None:
     moving = floating_velocities(system)
     scale = velocity_scale(system)[moving]
     M = dense_mass(system, motion)[np.ix_(moving, moving)]
-    base = copy_motion(motion)
 
-    def rows_at(increment: Array) -> tuple[Array, Array]:
+    def rows_at(step: Array) -> tuple[Array, Array]:
         full = np.zeros(system.coordinates)
-        full[moving] = increment
-        move(system.bodies, base, full, motion)
+        full[moving] = step
+        move(system.bodies, motion, full, motion)
         at = dense_rows(system, motion, 0.0)
         return at.A[holonomic][:, moving], at.position[holonomic]
 
-    _, left = restore(rows_at, M, scale, ROUND_OFF * system.size)
+    left = restore(rows_at, M, scale, ROUND_OFF * system.size)
     if left > 1e-10 * system.size:
         raise ModelError(
             f"the joints cannot all be closed: {left:.3g} m are left at best",
