@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from linkages import four_bar
-from random_mechanisms import Features, random_model, state_in_motion
+from random_mechanisms import Features, random_model
+from random_states import state_in_motion
 
 import maggi
 from maggi.analyses.compare_formulations import MODES, compare, compare_formulations

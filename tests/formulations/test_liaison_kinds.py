@@ -5,7 +5,9 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from random_mechanisms import LIAISONS, NONHOLONOMIC, Workshop, state_in_motion
+from liaison_library import LIAISONS, NONHOLONOMIC
+from random_states import state_in_motion
+from workshop import Workshop
 
 from maggi.analyses.compare_formulations import compare, compare_at
 from maggi.formulations import kane, question_at
