@@ -33,7 +33,8 @@ def butcher() -> tuple[Array, Array]:
     c = np.array([(4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0])
     powers = np.arange(3)
     # ∫₀^c_i of the Lagrange polynomials: A V = W with V = c^k, W = c^(k+1)/(k+1)
-    return np.linalg.solve((c[:, None] ** powers).T, ((c[:, None] ** (powers + 1)) / (powers + 1)).T).T, c
+    A = np.linalg.solve((c[:, None] ** powers).T, ((c[:, None] ** (powers + 1)) / (powers + 1)).T).T
+    return np.asarray(A, dtype=np.float64), np.asarray(c, dtype=np.float64)
 
 
 def _eigenvectors(A: Array) -> tuple[float, complex, NDArray[Any], NDArray[Any]]:
