@@ -130,18 +130,18 @@ def closest_velocities(projection: Admitted, M: Array, v: Array, b: Array) -> Ar
 
 def restore(
     rows: Callable[[Array], tuple[Array, Array]], M: Array, scale: Array, tolerance: float, attempts: int = 20
-) -> tuple[Array, float]:
-    """Tangent-space position update: the increment (n,) that puts positions back on Φ = 0, least in the metric M.
+) -> float:
+    """Tangent-space position update: Newton's method back to Φ = 0, least in the metric M; the largest |Φ| that is left.
 
-    rows : increment → (A, Φ) there. Returns the increment and the largest |Φ| that is left.
+    rows : step (n,) → (A, Φ) after positions have moved by that step from where they are, the first being zero. Steps
+    are composed, not summed: increments of frames do not add up, and A is that of the moved bodies.
     """
-    increment = np.zeros(len(scale))
+    step = np.zeros(len(scale))
     left = np.inf
     for _ in range(attempts):
-        A, Phi = rows(increment)
+        A, Phi = rows(step)
         left = float(np.abs(Phi).max(initial=0.0))
         if left <= tolerance or not np.isfinite(left):
             break
-        projection = project(A, scale)
-        increment = increment + closest_velocities(projection, M, np.zeros(len(scale)), Phi)
-    return increment, left
+        step = closest_velocities(project(A, scale), M, np.zeros(len(scale)), Phi)
+    return left
