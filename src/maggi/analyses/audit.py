@@ -68,7 +68,8 @@ def audit(model: Model, progress: Progress | None = None) -> Audit:
             f"the initial pose is close to a singular one: the smallest singular value of the liaisons is "
             f"{counts.smallest_kept:.1e}"
         )
-    notes += locked_parts(system, motion)
+    if not problems:  # joints that do not meet look as if they locked each other
+        notes += locked_parts(system, motion)
     notes += loose_parts(model)
     notes += [
         f"{body.name}: {note}"
