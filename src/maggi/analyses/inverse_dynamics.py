@@ -101,7 +101,8 @@ def coordinates_at(
             end = int(table.joint[table.coordinate[c, COORDINATE_JOINT], side])
             b = int(bodies.attachment_body[end])
             part = G[i, bodies.offset[b] : bodies.offset[b + 1]]
-            generalised_force(bodies, motion, attachments, end, *rows.coordinate_wrench[c, side], part)
+            f = rows.coordinate_wrench[c, side]
+            generalised_force(bodies, motion, attachments, end, f[0], f[1], f[2], f[3], f[4], f[5], part)
     at = rows.coordinate[chosen]
     return Coordinates(at[:, 0].copy(), at[:, 1].copy(), G, at[:, 2] - G @ motion.vd)
 
@@ -155,7 +156,7 @@ def solve(
             "the actuators cannot give the outputs these accelerations here: they do not move them, or not apart",
             remedy="choose outputs that the actuators reach, or leave this position",
         )
-    u = np.linalg.solve(response, accelerations - given - G @ (S @ free + a_p))
+    u = np.asarray(np.linalg.solve(response, accelerations - given - G @ (S @ free + a_p)), dtype=np.float64)
     vd = still.vd.copy()
     vd[moving] = S @ (free + effect @ u) + a_p
     return ActuatorForces(u, vd)
