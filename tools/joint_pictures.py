@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 from joint_drawing import (
     GREEN,
-    HIGHEST,
     JOINT,
     PATH,
     SAND,
@@ -104,6 +103,7 @@ def only(camera: Camera) -> tuple[Figure, Sheet]:
 
 
 def revolute(results: Results) -> Figure:
+    """A swinging bar."""
     figure, sheet = only(FRONT)
     chosen = rows(results, 0.0, 0.2, 0.3, 0.4, 0.5)
     sheet.path(track(results, "bar", [0.25, 0, 0]))
@@ -120,6 +120,7 @@ def revolute(results: Results) -> Figure:
 
 
 def prismatic(results: Results) -> Figure:
+    """A carriage at four instants."""
     figure, sheet = only(FRONT)
     rail = at(pose(results, "carriage", 0), [[-0.12, 0, -0.035], [0.95, 0, -0.035]])
     sheet.line(rail, JOINT, 2.4)
@@ -162,10 +163,13 @@ def _on_a_shaft(results: Results, body: str, shaft: Callable[[Sheet, Array], Non
 
 
 def cylindrical(results: Results) -> Figure:
+    """A falling, turning sleeve."""
     return _on_a_shaft(results, "sleeve", lambda sheet, ends: sheet.bar(ends, JOINT, 5.0))
 
 
 def screw(results: Results) -> Figure:
+    """A nut on its thread."""
+
     def thread(sheet: Sheet, ends: Array) -> None:
         sheet.bar(ends, JOINT, 6.5)
         z = np.arange(ends[0, 2], ends[1, 2], 0.0375)
@@ -176,6 +180,7 @@ def screw(results: Results) -> Figure:
 
 
 def spherical(results: Results) -> Figure:
+    """The bob's path, and its shadow."""
     figure, sheet = only(CORNER)
     path = results.body("rod").origin
     chosen = rows(results, 0.0, 0.55, 1.1, 1.65)
@@ -198,6 +203,7 @@ def spherical(results: Results) -> Figure:
 
 
 def planar(results: Results) -> Figure:
+    """A plate seen from above."""
     figure, sheet = only(ABOVE)
     sheet.area([[-0.2, -0.2, 0], [1.1, -0.2, 0], [1.1, 0.62, 0], [-0.2, 0.62, 0]], "#f1f4f6", FAINT)
     path = track(results, "plate", [0.1, 0.06, 0])
@@ -249,6 +255,8 @@ def _shafts(results: Results, ratio: str, middle: Callable[[Sheet, Pose, Pose], 
 
 
 def universal(results: Results) -> Figure:
+    """A cross between two forks; the output's speed varies."""
+
     def cross(sheet: Sheet, first: Pose, second: Pose) -> None:
         bend = second[1][:, 0]
         for pin, shaft, color in ((Z, -X, STEEL), (np.cross(Z, bend), bend, SAND)):
@@ -261,6 +269,8 @@ def universal(results: Results) -> Figure:
 
 
 def constant_velocity(results: Results) -> Figure:
+    """A ball in a bell; the output's speed does not vary."""
+
     def bell(sheet: Sheet, first: Pose, second: Pose) -> None:
         sheet.cylinder([-0.02, 0, 0], X, 0.05, 0.1, STEEL)
         sheet.ball([0.022, 0, 0], 0.043, JOINT)
@@ -270,6 +280,7 @@ def constant_velocity(results: Results) -> Figure:
 
 
 def weld(results: Results) -> Figure:
+    """Two bars that swing as one."""
     figure, sheet = only(FRONT)
     chosen = rows(results, 0, 0.2, 0.35, 0.5)
 
@@ -292,6 +303,7 @@ def weld(results: Results) -> Figure:
 
 
 def free(results: Results) -> Figure:
+    """A thrown hammer and what is measured of it."""
     figure, sheet = only(FRONT)
     sheet.path(track(results, "hammer", [0, 0, 0]))
 
@@ -317,6 +329,7 @@ def free(results: Results) -> Figure:
 
 
 def driver(results: Results) -> Figure:
+    """A bar that is raised, and the torque that it takes."""
     figure, left, right = drawing_and_chart(2.3, (1.0, 1.1))
     sheet = Sheet(left, FRONT)
     instants(
@@ -351,6 +364,7 @@ def _spokes(sheet: Sheet, results: Results, body: str, radius: float, *times: fl
 
 
 def gear(results: Results) -> Figure:
+    """Two wheels; marks on them show the ratio."""
     figure, sheet = only(FRONT)
     for body, radius, teeth, color in (("pinion", 0.05, 16, STEEL), ("wheel", 0.1, 32, SAND)):
         turn = np.pi / teeth if body == "wheel" else 0.0
@@ -369,6 +383,7 @@ def gear(results: Results) -> Figure:
 
 
 def planetary(results: Results) -> Figure:
+    """Sun, planet, ring and carrier, and the path of a mark on the planet."""
     figure, sheet = only(FRONT)
     rim = circle([0, 0, 0], Y, 0.122)
     sheet.area(rim, "#e4e0d4")
@@ -405,6 +420,7 @@ def planetary(results: Results) -> Figure:
 
 
 def rack(results: Results) -> Figure:
+    """Pinion and rack."""
     figure, sheet = only(FRONT)
     radius, teeth = 0.05, 20
     pitch = 2 * np.pi * radius / teeth
@@ -430,6 +446,7 @@ def rack(results: Results) -> Figure:
 
 
 def belt(results: Results) -> Figure:
+    """Two pulleys."""
     figure, sheet = only(FRONT)
     distance, a, b = 0.3, 0.05, 0.1
     tilt = np.arcsin((b - a) / distance)  # of the free parts
@@ -459,6 +476,7 @@ def belt(results: Results) -> Figure:
 
 
 def coupler(results: Results) -> Figure:
+    """Steered wheels, whose axles meet on that of the rear wheels."""
     figure, sheet = only(ABOVE)
     row = len(results.time) - 1
     centre = None
@@ -493,6 +511,7 @@ def coupler(results: Results) -> Figure:
 
 
 def distance(results: Results) -> Figure:
+    """A load on a rope that gets shorter."""
     figure, sheet = only(FRONT)
     path = results.body("load").origin
     sheet.path(path)
@@ -514,6 +533,7 @@ def distance(results: Results) -> Figure:
 
 
 def point_on_curve(results: Results) -> Figure:
+    """A bead at equal intervals of time."""
     figure, sheet = only(FRONT)
     sheet.line(results.joint("wire").outline.first, JOINT, 1.8)
     times = np.arange(0.0, results.time[-1] + 1e-9, 0.1)
@@ -532,6 +552,7 @@ def point_on_curve(results: Results) -> Figure:
 
 
 def point_on_surface(results: Results) -> Figure:
+    """A ball's path in a bowl."""
     figure, sheet = only(axonometric(elevation=32.0))
     top = 0.55
     for radius in np.linspace(0.11, top, 5):
@@ -551,6 +572,7 @@ def point_on_surface(results: Results) -> Figure:
 
 
 def cam(results: Results) -> Figure:
+    """One cam at three angles, with three followers."""
     figure = new_figure(1.7)
     profile = results.joint("rolls").outline.first
     for axes, row in zip(figure.subplots(1, 3), rows(results, 0.0, 1 / 6, 5 / 12), strict=True):
@@ -581,6 +603,7 @@ def _ground_patch(sheet: Sheet, low: tuple[float, float], high: tuple[float, flo
 
 
 def rolling_disc(results: Results) -> Figure:
+    """A disc and the path of its contact."""
     figure, sheet = only(axonometric(-60, 35))
     body, radius = results.body("disc"), 0.1
     axis = body.rotation[:, :, 1]
@@ -604,6 +627,7 @@ def rolling_disc(results: Results) -> Figure:
 
 
 def rolling_sphere(results: Results) -> Figure:
+    """A ball's circle on a turntable."""
     figure, sheet = only(axonometric(-60, 38))
     path = results.body("ball").origin
     sheet.cylinder([0, 0, -0.01], Z, 0.62, 0.02, "#e6ebef")
@@ -619,6 +643,7 @@ def rolling_sphere(results: Results) -> Figure:
 
 
 def knife_edge(results: Results) -> Figure:
+    """A skate's cycloid."""
     figure, sheet = only(SIDEWAYS)
     path = results.body("skate").origin
     sheet.path(path)
@@ -635,6 +660,7 @@ def knife_edge(results: Results) -> Figure:
 
 
 def pfaffian(results: Results) -> Figure:
+    """Dog and hare."""
     figure, sheet = only(SIDEWAYS)
     hare, dog = (results.body(name).origin for name in ("hare", "dog"))
     for row in rows(results, *np.arange(0.0, 5.01, 0.5)):
