@@ -479,7 +479,6 @@ def coupler(results: Results) -> Figure:
     """Steered wheels, whose axles meet on that of the rear wheels."""
     figure, sheet = only(ABOVE)
     row = len(results.time) - 1
-    centre = None
     tyre = np.array([[-0.3, -0.09, 0], [0.3, -0.09, 0], [0.3, 0.09, 0], [-0.3, 0.09, 0]])
     left, right = (pose(results, name, row) for name in ("left", "right"))
     # both wheels' axles meet on the line of the rear axle
@@ -490,11 +489,12 @@ def coupler(results: Results) -> Figure:
         sheet.line([[x, -0.6, 0], [x, 0.6, 0]], INK, 1.6)
     for y in (-0.6, 0.6):
         sheet.area(tyre + [0, y, 0], "#b9c2ca")
-    for body, half in (("left", 0.6), ("right", -0.6)):
-        assert half
-        instants(
-            sheet, rows(results, 1.0, 0.5, 0.0), lambda k, b=body: sheet.area(at(pose(results, b, k), tyre), STEEL)
-        )
+
+    def draw(k: int) -> None:
+        for body in ("left", "right"):
+            sheet.area(at(pose(results, body, k), tyre), STEEL)
+
+    instants(sheet, rows(results, 1.0, 0.5, 0.0), draw)
     for place in (left[0], right[0], np.zeros(3)):
         sheet.line([place, centre], JOINT, 0.9, dashed=True)
     sheet.dots([left[0], right[0]])
@@ -597,11 +597,6 @@ def cam(results: Results) -> Figure:
 # Contacts
 
 
-def _ground_patch(sheet: Sheet, low: tuple[float, float], high: tuple[float, float]) -> None:
-    (a, b), (c, d) = low, high
-    sheet.area([[a, b, 0], [c, b, 0], [c, d, 0], [a, d, 0]], "#f1f4f6", FAINT)
-
-
 def rolling_disc(results: Results) -> Figure:
     """A disc and the path of its contact."""
     figure, sheet = only(axonometric(-60, 35))
@@ -610,7 +605,8 @@ def rolling_disc(results: Results) -> Figure:
     low = -(Z - axis[:, 2:] * axis) / np.sqrt(1 - axis[:, 2:] ** 2)
     contact = body.origin + radius * low
     reach = [contact[:, :2].min(axis=0) - 0.12, contact[:, :2].max(axis=0) + 0.12]
-    _ground_patch(sheet, *(tuple(one) for one in reach))  # type: ignore[arg-type]
+    (a, b), (c, d) = reach
+    sheet.area([[a, b, 0], [c, b, 0], [c, d, 0], [a, d, 0]], "#f1f4f6", FAINT)
     sheet.path(contact)
 
     def draw(row: int) -> None:
