@@ -13,8 +13,7 @@ from maggi.model.bodies import ElasticBody, GivenMotion, RigidBody
 from maggi.model.materials import Damping, Material
 from maggi.model.meshes import BeamMesh, BoxMesh, Section
 from maggi.model.model import Model
-from maggi.stepping.allocate import copy_motion
-from maggi.stepping.allocate import elastic_compliances
+from maggi.stepping.allocate import copy_motion, elastic_compliances
 from maggi.stepping.kernels import compliances, move
 from maggi.stepping.mesh_step import MeshStep
 from maggi.system.build import build_system
