@@ -1,4 +1,4 @@
-"""The functions of the package itself: ``maggi.load``, ``check``, ``run`` and ``open``."""
+"""The functions of the package itself: ``maggi.load``, ``check``, ``compare``, ``run`` and ``open``."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from maggi.analyses.audit_report import Audit
+    from maggi.analyses.compare_formulations import Comparison
     from maggi.analyses.recorder import Progress
     from maggi.model.model import Model
     from maggi.results.results import Results
@@ -40,6 +41,18 @@ def check(model: Model, progress: Progress | None = None) -> Audit:
     from maggi.analyses.audit import audit
 
     return audit(model, progress)
+
+
+def compare(model: Model) -> Comparison:
+    """Accelerations and joint forces at t = 0 by five formulations, and how far they are apart; see `Comparison`.
+
+    Raises
+    ------
+    ModelError : the model cannot be assembled, has no consistent initial state, or has a body without points.
+    """
+    from maggi.analyses.compare_formulations import compare_formulations
+
+    return compare_formulations(model)
 
 
 def run(model: Model, output: str | os.PathLike[str] | None = None, progress: Progress | None = None) -> Results:

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from linkages import four_bar
+from random_mechanisms import Features, random_model
+from random_states import state_in_motion
 
 import maggi
 from maggi.analyses.compare_formulations import MODES, compare, compare_formulations
@@ -32,7 +34,7 @@ def test_the_example():
 
 def test_what_redundant_joints_share_is_named():
     """Four parallel revolutes: what each bears out of the plane is not determined, the sum on each body is."""
-    found = compare_formulations(four_bar())
+    found = maggi.compare(four_bar())
     assert found.agree
     assert set(found.shared) == {"j0", "j1", "j2", "j3"}
     assert (found.velocities, found.freedoms) == (18, 1)
@@ -46,6 +48,29 @@ def test_data_are_plain():
     assert data["agree"] is True
     assert [d["formulation"] for d in data["differences"]] == list(FORMULATIONS)
     assert data["tolerance"] == pytest.approx(1e-9 * data["condition"])
+
+
+def test_what_is_not_finite_is_none_in_data():
+    question = question_of(four_bar())
+    nothing = Answer(np.full(18, np.nan), np.zeros(18), {})
+    data = compare(question, {"nothing": lambda q: nothing}, []).data()
+    assert data["differences"][0]["accelerations"] is None
+    assert not data["agree"]
+
+
+@pytest.mark.parametrize("part", ["M", "A", "gamma", "f"])
+def test_a_wrong_entry_of_any_matrix_is_noticed(part):
+    """Entry after entry of what Maggi's equations are given, changed by a millionth of the largest."""
+    rng = np.random.default_rng(1)
+    system = build_system(random_model(rng, Features(closed=True, elastic=True)), dense=True)
+    question = question_at(system, state_in_motion(system, rng, 0.1), 0.1)
+    assert compare(question, {"Kane": kane}, []).agree
+    right = getattr(question.terms, part)
+    for place in map(tuple, rng.permutation(np.argwhere(right != 0.0))[:12]):
+        wrong = right.copy()
+        wrong[place] += 1e-6 * np.abs(right).max()
+        spoilt = replace(question, terms=replace(question.terms, **{part: wrong}))
+        assert not compare(spoilt, {"Kane": kane}, []).agree, place
 
 
 def question_of(model):

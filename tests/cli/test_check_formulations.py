@@ -59,6 +59,7 @@ def test_a_disagreement_ends_with_status_one(maggi_check, monkeypatch):
     said = maggi_check(PENDULUM, "--formulations")
     assert said.exit_code == 1
     assert "THEY DISAGREE" in said.stdout
+    assert "please report it" in said.stderr
 
 
 def test_problems_of_the_model_come_first(maggi_check):

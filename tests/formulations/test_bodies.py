@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from random_mechanisms import Workshop
+from workshop import Workshop
 
 from maggi.analyses.compare_formulations import compare_formulations
 from maggi.elements.ritz import ritz_terms

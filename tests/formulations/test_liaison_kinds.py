@@ -1,14 +1,21 @@
 """Every liaison of the library between two bodies in motion: five formulations, one answer; and a wrong γ is noticed."""
 
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 import pytest
-from random_mechanisms import LIAISONS, NONHOLONOMIC, Workshop, state_in_motion
+from liaison_library import LIAISONS, NONHOLONOMIC
+from random_states import state_in_motion
+from workshop import Workshop
 
 from maggi.analyses.compare_formulations import compare, compare_at
 from maggi.formulations import kane, question_at
-from maggi.model import GROUND
+from maggi.formulations.constraints.joints import LOCKS
+from maggi.liaisons.registry import JOINTS
+from maggi.model import GROUND, Joint
+from maggi.model.joint_kinds import JOINT_COORDINATES
+from maggi.model.joints import Liaison
 from maggi.system.build import build_system
 
 T = 0.1
@@ -56,6 +63,15 @@ def test_a_wrong_sign_of_any_gamma_is_noticed(kind):
         wrong = gamma.copy()
         wrong[row] = -wrong[row]
         assert not compare(replace(question, terms=replace(question.terms, gamma=wrong)), {"Kane": kane}, []).agree
+
+
+def test_every_liaison_of_the_library_is_here():
+    """A new kind of joint or liaison must be written a second time too."""
+    assert set(LOCKS) == set(JOINTS) == set(JOINT_COORDINATES)
+    built = [between(kind, ("rigid", "rigid"), 9)[0].model.joints.values() for kind in LIAISONS]
+    made = [liaison for liaisons in built for liaison in liaisons]
+    assert {type(liaison) for liaison in made} == set(get_args(Liaison))
+    assert {liaison.kind for liaison in made if isinstance(liaison, Joint)} == set(JOINTS)
 
 
 def test_nonholonomic_kinds_hold_no_position():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from random_mechanisms import state_in_motion
+from random_states import state_in_motion
 
 from maggi.analyses.compare_formulations import MODES, compare_at, compare_formulations
 from maggi.bodies.mesh_body import build_mesh_body

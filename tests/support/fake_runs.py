@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from maggi.analyses.outline import Outline
 from maggi.analyses.recorder import BodyLayout, JointLayout, Layout, Recorder, Row
 from maggi.analyses.scene import Scene, SceneAttachment, SceneBody, SceneJoint
 
@@ -15,6 +16,12 @@ BENDING, TILT = 4e-4, 1e-3  # amplitude (m) and slope of the rod's made-up displ
 FORCE = 750.0  # N, largest crankpin force
 MODEL = "maggi: 1\ntitle: Fake slider-crank\n"
 HALF_HEIGHT, HALF_WIDTH = 0.008, 0.004
+GRAVITY = (0.0, 0.0, -9.81)
+# A square on ground beside the clamp, and a line across it on the blade.
+OUTLINE = (
+    np.array([[0.01, 0.1, 0.01], [-0.01, 0.1, 0.01], [-0.01, 0.1, -0.01], [0.01, 0.1, -0.01], [0.01, 0.1, 0.01]]),
+    np.array([[-0.02, 0.0, 0.0], [0.02, 0.0, 0.0]]),
+)
 
 
 def box_mesh(cells: tuple[int, int, int] = (32, 2, 3)) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -45,10 +52,11 @@ def layout(rows: int) -> Layout:
             JointLayout("crankpin", "revolute", "crank.pin", "rod.big_end", ("rad",)),
             JointLayout("wristpin", "cylindrical", "rod.small_end", "piston.pin", ("m", "rad")),
             JointLayout("motor", "driver", "ground", "crank", ("rad",)),
-            JointLayout("clamp", "weld", "ground", "blade", ()),
+            JointLayout("clamp", "weld", "ground", "blade", (), Outline(*OUTLINE)),
         ),
         rows=rows,
         attributes={"title": "Fake slider-crank", "model": MODEL},
+        gravity=GRAVITY,
     )
 
 
@@ -138,4 +146,4 @@ def scene() -> Scene:
         SceneJoint("guide", "prismatic", "ground", "piston", start.position[3], x),
         SceneJoint("motor", "driver", "ground", "crank", np.zeros(3), y),
     )
-    return Scene("Fake slider-crank", np.array([0.0, 0.0, -9.81]), bodies, attachments, joints)
+    return Scene("Fake slider-crank", np.array(GRAVITY), bodies, attachments, joints)

@@ -112,4 +112,5 @@ def test_a_driver_at_a_dead_centre():
     """With rod and crank in one line the piston cannot move at all."""
     error = refused("joint: bearing, angle: 10*t", "joint: cylinder, displacement: -0.1*t**2")
     assert place(error) == ("model.yml", 25, 10)
-    assert "the joints leave its coordinate no freedom" in error.message
+    assert "starts in a dead centre of 'cylinder', where driver 'motor' cannot move it" in error.message
+    assert error.remedy == "start it a little beside, or drive another joint"

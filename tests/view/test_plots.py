@@ -7,14 +7,18 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from maggi.analyses.recorder import BodyLayout, Layout, Row
+from maggi.analyses.outline import Outline
+from maggi.analyses.recorder import BodyLayout, JointLayout, Layout, Row
 from maggi.analyses.scene import Scene, SceneBody, SceneJoint
 from maggi.model.errors import ModelError
+from maggi.model.joint_kinds import JOINT_COORDINATES
 from maggi.results.memory import MemoryRecorder
 from maggi.view.energy import energy_figure
 from maggi.view.joints import joints_figure
 from maggi.view.mechanism import mechanism_figure
+from maggi.view.outlines import COUPLERS
 from maggi.view.plots import FIGURES, plot_results, plot_scene
+from maggi.view.projection import axonometric, facing
 from maggi.view.residuals import residuals_figure
 from maggi.view.scene import scene_figure
 from maggi.view.style import style
@@ -167,20 +171,119 @@ def test_labels_do_not_overlap():
         assert not any(box.overlaps(other) for other in boxes[:i])
 
 
-@pytest.mark.parametrize(
-    "kind", ["revolute", "prismatic", "cylindrical", "spherical", "planar", "universal", "weld", "driver", "gear"]
-)
+KINDS = [
+    *(kind for kind in JOINT_COORDINATES),
+    "driver",
+    "distance",
+    "point-on-curve",
+    "point-on-surface",
+    "cam",
+    "rolling-disc",
+    "rolling-sphere",
+    "knife-edge",
+    "pfaffian",
+]
+
+
+def artists(figure):
+    return len(figure.axes[-1].collections) + len(figure.axes[-1].lines)
+
+
+ONE = SceneBody("one", "rigid", np.zeros(3), np.eye(3), np.array([0.1, 0.0, 0.0]))
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_of_joint_has_a_symbol(kind):
     axis = None if kind in ("spherical", "weld") else np.array([1.0, 2.0, 0.5])
-    body = SceneBody("one", "rigid", np.zeros(3), np.eye(3), np.array([0.1, 0.0, 0.0]))
     joint = SceneJoint("pin", kind, "ground", "one", np.zeros(3), axis)
-    bare = scene_figure(Scene("", np.zeros(3), (body,), (), ()))
-    figure = scene_figure(Scene("", np.zeros(3), (body,), (), (joint,)))
+    bare = scene_figure(Scene("", np.zeros(3), (ONE,), (), ()))
+    assert artists(scene_figure(Scene("", np.zeros(3), (ONE,), (), (joint,)))) > artists(bare)
 
-    def artists(one):
-        return len(one.axes[-1].collections) + len(one.axes[-1].lines)
 
-    assert artists(figure) > artists(bare)
+@pytest.mark.parametrize("kind", COUPLERS)
+def test_relations_are_lines_between_joints(kind):
+    joints = tuple(
+        SceneJoint(name, "revolute", "ground", "one", np.array([x, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
+        for name, x in (("a", 0.0), ("one", 1.0), ("c", 3.0))  # a joint may be called like a body
+    )
+    coupler = SceneJoint("relation", kind, "a, one", "c", np.array([3.0, 0.0, 0.0]), None)
+    figure = scene_figure(Scene("", np.zeros(3), (ONE,), (), (*joints, coupler)))
+    dashed = [line for line in figure.axes[0].lines if line.get_linestyle() == "--"]
+    assert [line.get_xdata().tolist() for line in dashed] == [[0.0, 1.0, 3.0]]
+
+
+def wheel_of(radius, place=(0.0, 0.0, 0.0)):
+    angles = np.linspace(0.0, 2.0 * np.pi, 37)
+    rim = np.stack([np.cos(angles), 0 * angles, np.sin(angles)], axis=1)
+    return Outline(second=np.array(place) + radius * rim)
+
+
+def test_wheels_and_rods_of_a_scene():
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # x to y, y to −x
+    wheel = SceneBody("wheel", "rigid", np.array([3.0, 0.0, 0.5]), turn, np.array([3.0, 0.0, 0.5]))
+    up = np.array([0.0, 0.0, 1.0])
+    rod = Outline(np.array([[0.0, 1.0, 0.0]]), np.array([[0.0, 0.0, 2.0]]))
+    joints = (
+        SceneJoint("rolls", "rolling-disc", "ground", "wheel", wheel.origin, None, wheel_of(0.5)),
+        SceneJoint("rod", "distance", "wheel", "[0, 0, 2]", 2.0 * up, None, rod),
+        SceneJoint("bearing", "revolute", "ground", "one", np.zeros(3), np.array([1.0, 0.0, 0.0])),
+    )
+    figure = scene_figure(Scene("", -9.81 * up, (ONE, wheel), (), joints))
+    camera = facing(np.array([1.0, 0.0, 0.0]), up)
+    drawn = [np.asarray(line.get_xydata()) for line in figure.axes[0].lines]
+    rim = next(one for one in drawn if len(one) == 37)
+    assert np.linalg.norm(rim - [0.0, 0.5], axis=1) == pytest.approx(np.full(37, 0.5))
+    assert rim[:, 1].min() == pytest.approx(0.0, abs=1e-12)
+    # the rod's first end is at (0, 1, 0) of the turned wheel
+    assert any(
+        len(one) == 2 and np.allclose(one, camera.flat(np.array([[2.0, 0.0, 0.5], [0.0, 0.0, 2.0]]))) for one in drawn
+    )
+    # a body that is a wheel needs no block at its centre
+    blade = replace(joints[0], kind="knife-edge")
+    rolling, sliding = (scene_figure(Scene("", up, (wheel,), (), (joint,))) for joint in (joints[0], blade))
+    assert artists(sliding) == artists(rolling) + 1
+
+
+def rolling(rows, speed):
+    """Two wheels 1 m apart that roll along x while the line between them turns a little about z."""
+    bodies = tuple(BodyLayout(name, "rigid", (), np.zeros((0, 3))) for name in ("rear", "front"))
+    joints = tuple(
+        JointLayout(f"{name}_rolls", "rolling-disc", "ground", name, (), wheel_of(0.25)) for name in ("rear", "front")
+    )
+    recorder = MemoryRecorder(("bodies", "joints"))
+    recorder.begin(Layout(bodies, joints, rows, {}, (0.0, 0.0, 9.81)))
+    for t in np.linspace(0.0, 5.0, rows):
+        a, some = 0.2 * np.sin(t), fake_runs.row(float(t))
+        origin = np.array([[speed * t, 0.0, -0.25], [speed * t + np.cos(a), np.sin(a), -0.25 - 0.1 * np.sin(2 * t)]])
+        nothing = np.zeros((2, 3))
+        recorder.write(
+            replace(
+                some, origin=origin, rotation=np.stack([np.eye(3)] * 2), position=nothing[:0], attachment_rotation=np.zeros((0, 3, 3)),
+                velocity=nothing[:0], angular_velocity=nothing[:0], displacement=(), modal=(), joint_position=origin,
+                force=nothing, torque=nothing, unique=np.ones(2, dtype=np.int64), coordinate=(np.zeros(0),) * 2,
+            )
+        )  # fmt: skip
+    recorder.end("complete")
+    return recorder.results()
+
+
+def test_the_view_goes_along_with_what_travels():
+    figure = mechanism_figure(rolling(40, 5.0))
+    assert "the view goes along" in figure.get_suptitle()
+    camera = axonometric(vertical=np.array([0.0, 0.0, -1.0]))  # gravity is along +z
+    for axes in figure.axes:
+        rims = [np.asarray(line.get_xydata()) for line in axes.lines if len(line.get_xdata()) == 37]
+        assert len(rims) == 2
+        (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+        assert high - low < 3.0
+        for rim in rims:
+            assert (low < rim[:, 0]).all() and (rim[:, 0] < high).all()
+            assert (bottom < rim[:, 1]).all() and (rim[:, 1] < top).all()
+            half = 0.25 * np.linalg.norm(camera.flat(np.array([0.0, 0.0, 1.0])))
+            assert np.ptp(rim[:, 1]) >= 2 * half - 1e-12
+    still = mechanism_figure(rolling(40, 0.5))
+    assert "the view goes along" not in still.get_suptitle()
+    assert len({axes.get_xlim() for axes in still.axes}) == 1
 
 
 def test_scenes_with_next_to_nothing(tmp_path):

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from maggi.view.projection import axonometric, facing, plane_of, surface
+from maggi.view.projection import axonometric, facing, plane_of, surface, upwards
 
 # A unit cube's 12 triangles, counter-clockwise seen from outside.
 CUBE = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float)
@@ -42,6 +42,30 @@ def test_a_view_from_above_a_corner():
     assert camera.right[0] > 0.8
     assert camera.axis_names() is None
     assert np.cross(camera.right, camera.up) == pytest.approx(camera.toward)
+
+
+@pytest.mark.parametrize(
+    ("gravity", "up"),
+    [
+        ((0, 0, 0), (0, 0, 1)),
+        ((0, 0, -9.81), (0, 0, 1)),
+        ((3, 0, 9), (0, 0, -1)),
+        ((0, -1.6, 0), (0, 1, 0)),
+        ((2, 1, 0), (-1, 0, 0)),
+    ],
+)
+def test_up_is_against_gravity(gravity, up):
+    vertical = upwards(np.array(gravity, dtype=float))
+    assert vertical.tolist() == list(up)
+    camera = axonometric(vertical=vertical)
+    assert camera.up @ vertical > 0.8
+    assert camera.toward @ vertical > 0.0
+    assert np.cross(camera.right, camera.up) == pytest.approx(camera.toward)
+    for normal in np.eye(3):
+        camera = facing(normal, vertical)
+        assert np.cross(camera.right, camera.up) == pytest.approx(camera.toward)
+        assert abs(normal @ vertical) == 1.0 or camera.up == pytest.approx(vertical)
+    assert facing(vertical, vertical).toward == pytest.approx(vertical)  # a horizontal plane is seen from above
 
 
 def test_planes():

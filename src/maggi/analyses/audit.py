@@ -17,6 +17,7 @@ from maggi.model.joints import Driver
 from maggi.model.model import Model
 from maggi.stepping.allocate import copy_motion
 from maggi.system.build import build_system
+from maggi.system.dense import dense_rows, floating_velocities, velocity_scale
 from maggi.system.system import BodyEntry, System
 
 from .audit_report import (
@@ -30,9 +31,14 @@ from .audit_report import (
 )
 from .connections import force_ends, loose_parts, unused_attachments
 from .first_instant import frames_at_start
+from .freedoms import elastic_freedoms, freedoms
 from .initial import initial_motion, refuse_undefined
-from .mobility import SINGULAR, mobility
+from .integrability import integrability
+from .locks import locked_parts
+from .mobility import SINGULAR, Mobility, mobility
+from .nearby import Nearby, nearby_poses
 from .recorder import Progress
+from .remedies import Remedy, remedies
 from .snapshot import body_kind, visible_liaisons
 
 
@@ -54,12 +60,16 @@ def audit(model: Model, progress: Progress | None = None) -> Audit:
     system = build_system(model, recorded=frames_at_start(model, announce), announce=announce)
     notes: list[str] = []
     motion, problems = _initial(system, notes)
-    counts = mobility(system, motion)
+    nearby = nearby_poses(system, motion)
+    counts = mobility(system, motion, nearby)
+    notes += _singular(counts)
     if counts.smallest_kept < SINGULAR:
         notes.append(
             f"the initial pose is close to a singular one: the smallest singular value of the liaisons is "
             f"{counts.smallest_kept:.1e}"
         )
+    if not problems:  # joints that do not meet look as if they locked each other
+        notes += locked_parts(system, motion)
     notes += loose_parts(model)
     notes += [
         f"{body.name}: {note}"
@@ -77,6 +87,10 @@ def audit(model: Model, progress: Progress | None = None) -> Audit:
         tuple(_liaisons(system)),
         tuple(ForceReport(name, *force_ends(force)) for name, force in model.forces.items()),
         counts,
+        freedoms(system, motion),
+        elastic_freedoms(system),
+        _remedies(system, motion, nearby),
+        integrability(system, motion),
         tuple(notes),
         tuple(unused_attachments(model)),
         problems,
@@ -92,6 +106,29 @@ def _initial(system: System, notes: list[str]) -> tuple[MotionState, tuple[Model
         prescribe(system.motions, system.bodies, 0.0, motion)
         refuse_undefined(system, motion)  # of such rows there is no rank to be told
         return motion, (error,)
+
+
+def _singular(counts: Mobility) -> list[str]:
+    """What is special about the initial pose."""
+    if counts.shaky:
+        return [
+            "the joints admit a velocity of the rigid bodies in the initial pose, but no motion along it (a shaky structure): "
+            "change a dimension a little and it can move, or cannot even for an instant"
+        ]
+    more = counts.rigid_mobility - (counts.generic_rigid_mobility or 0)
+    if counts.generic_rigid_mobility is None or more <= 0:
+        return []
+    return [
+        f"the initial pose is singular: rigid bodies have {counts.rigid_mobility} freedoms here and "
+        f"{counts.generic_rigid_mobility} beside it, as in a dead centre; start a little beside it"
+    ]
+
+
+def _remedies(system: System, motion: MotionState, nearby: Nearby) -> tuple[Remedy, ...]:
+    """Remedies for rows that repeat each other in general, with every elastic body rigid."""
+    frames = floating_velocities(system)
+    place = nearby.places[0].motion if nearby.places else motion
+    return remedies(system, dense_rows(system, place, 0.0).A[:, frames] / velocity_scale(system)[frames])
 
 
 def _body(system: System, entry: BodyEntry) -> BodyReport:

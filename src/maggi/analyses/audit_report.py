@@ -13,7 +13,10 @@ from numpy.typing import NDArray
 from maggi.model.errors import ModelError
 from maggi.model.geometry import Vector
 
+from .freedoms import ElasticFreedoms, Freedom
+from .integrability import PartIntegrability
 from .mobility import Mobility
+from .remedies import Remedy
 
 Array = NDArray[np.float64]
 
@@ -109,7 +112,8 @@ class ForceReport:
 class Audit:
     """What a model is.
 
-    size: the mechanism's extent, m. mobility: freedoms at the initial pose. notes: what the user should know.
+    size: the mechanism's extent, m. mobility: freedoms at the initial pose. motions, elastic: what they are. remedies: joints
+    that would do where rows repeat each other. integrability: of rows that hold no position. notes: what the user should know.
     unused: attachments that nothing uses. problems: why a run would be refused.
     """
 
@@ -120,6 +124,10 @@ class Audit:
     liaisons: tuple[LiaisonReport, ...]
     forces: tuple[ForceReport, ...]
     mobility: Mobility
+    motions: tuple[Freedom, ...]
+    elastic: tuple[ElasticFreedoms, ...]
+    remedies: tuple[Remedy, ...]
+    integrability: tuple[PartIntegrability, ...]
     notes: tuple[str, ...]
     unused: tuple[str, ...]
     problems: tuple[ModelError, ...]

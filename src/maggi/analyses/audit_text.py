@@ -8,11 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .audit_report import Audit, BodyReport, LiaisonReport, NodeSetReport, ReductionReport
+from .freedoms import ElasticFreedoms, Freedom, Response
+from .integrability import Integrability, PartIntegrability
 from .mobility import Mobility, Redundant
+from .remedies import LEFT_OUT, Remedy, Replacement
 
 Array = NDArray[np.float64]
 
 
+_RESPONSES = 6  # told of a motion at most
 _KINDS = {"mesh": "elastic, full mesh", "reduced": "elastic, reduced", "ritz": "elastic, shape functions"}
 
 
@@ -27,7 +31,9 @@ def _lines(audit: Audit) -> Iterator[str]:
     yield from _section("Bodies", (line for body in audit.bodies for line in _body(body, audit.size)))
     yield from _section("Joints and drivers", _table(_liaison(one, audit.size) for one in audit.liaisons))
     yield from _section("Forces", _table((one.name, one.kind, " – ".join(one.on)) for one in audit.forces))
-    yield from _section("Freedoms at the initial pose", _mobility(audit.mobility))
+    yield from _section("Freedoms at the initial pose", _mobility(audit.mobility, audit.remedies))
+    yield from _section("What moves", [*_motions(audit), *_elastic(audit.elastic, audit.mobility)])
+    yield from _section("Rows that hold no position", _integrability(audit))
     notes = [*audit.notes]
     if audit.unused:
         notes.append(f"attachments that nothing uses: {', '.join(audit.unused)}")
@@ -94,11 +100,13 @@ def _liaison(one: LiaisonReport, size: float) -> tuple[str, ...]:
     return one.name, one.kind, f"{one.first} – {one.second}", rows, place
 
 
-def _mobility(found: Mobility) -> Iterator[str]:
+def _mobility(found: Mobility, remedies: tuple[Remedy, ...]) -> Iterator[str]:
     drivers = f", {found.drivers} of them drivers'" if found.drivers else ""
     yield f"{found.velocities:,} velocities without liaisons (a mesh counts with all its nodes)"
     yield f"− {found.rank:,} independent rows of {found.rows:,}{drivers}"
     yield f"= {_count(found.freedoms, 'true freedom')}"
+    if found.position_freedoms != found.freedoms:
+        yield f"of position {_count(found.position_freedoms, 'freedom')}, without the rows that hold velocities only"
     yield from _redundant("redundant rows, which do no harm", found.redundant)
     if found.velocities != found.rigid_velocities:
         yield (
@@ -110,8 +118,94 @@ def _mobility(found: Mobility) -> Iterator[str]:
                 "rows that elasticity alone keeps apart, so that stiffness decides how their forces share",
                 found.rigid_redundant,
             )
+    yield from (line for one in remedies for line in _remedy(one))
+    if found.generic_rigid_mobility not in (None, found.rigid_mobility):
+        yield f"in neighbouring poses the mobility of rigid bodies is {found.generic_rigid_mobility}"
     yield f"Grübler's count, which takes no notice of redundancy: {found.gruebler}"
     yield f"singular values of the rows on either side of the rank: {found.smallest_kept:.2g}, {found.largest_dropped:.1g}"
+    yield f"condition of the basis S of what they admit: {found.conditioning:.2g}"
+
+
+def _remedy(one: Remedy) -> Iterator[str]:
+    if one.replacements:
+        rows = "the redundant row" if one.redundant == 1 else f"the {one.redundant} redundant rows"
+        yield f"{rows} of {', '.join(one.joints)} would go with {_and(map(_replacement, one.replacements))}"
+
+
+def _replacement(one: Replacement) -> str:
+    return f"{one.joint} left out" if one.by == LEFT_OUT else f"{one.joint} {one.by} instead of {one.now}"
+
+
+def _motions(audit: Audit) -> list[str]:
+    """A line for each motion; six of one body are that body flying free."""
+    free = {
+        name
+        for name in {one.name for one in audit.motions if one.of == "body"}
+        if sum(one.of == "body" and one.name == name for one in audit.motions) == 6
+    }
+    rows = [
+        (f"{name} flies free", "6 freedoms")
+        for name in dict.fromkeys(one.name for one in audit.motions if one.of == "body" and one.name in free)
+    ]
+    rows = [_motion(one) for one in audit.motions if one.of == "joint" or one.name not in free] + rows
+    return _table(rows)
+
+
+def _motion(one: Freedom) -> tuple[str, str]:
+    driven = "" if one.driver is None else f", driven by {one.driver}"
+    largest = sorted(one.responses, key=lambda response: -abs(response.rate))
+    told = [_response(one, response) for response in largest[:_RESPONSES]]
+    if len(largest) > _RESPONSES:
+        told.append(f"{len(largest) - _RESPONSES} more")
+    return f"{one.name}: {one.quantity}{driven}", f"with it {', '.join(told)}" if told else ""
+
+
+def _response(one: Freedom, response: Response) -> str:
+    unit = "" if response.unit == one.unit else f" {response.unit}/{one.unit}"
+    what = "" if response.quantity in ("angle", "displacement") else f" {response.quantity}"
+    name = "" if response.name == one.name else f"{response.name}"
+    return f"{name}{what} {response.rate:.3g}{unit}".strip()
+
+
+def _elastic(bodies: tuple[ElasticFreedoms, ...], found: Mobility) -> Iterator[str]:
+    for one in bodies:
+        span = "" if one.range is None else f", {one.range[0]:.5g} to {one.range[1]:.5g} Hz when nothing holds it"
+        yield f"{one.body} bends: {_count(one.freedoms, 'elastic freedom')}{span}"
+    held = found.rank - found.rigid_rank
+    if held:
+        yield f"of the elastic freedoms the joints hold {held}"
+
+
+def _integrability(audit: Audit) -> Iterator[str]:
+    kinds = {one.name: one.kind for one in audit.liaisons}
+    for part in audit.integrability:
+        yield from _table((one.liaisons[0], kinds.get(one.liaisons[0], ""), _verdict(one)) for one in part.liaisons)
+        if len(part.liaisons) > 1:
+            yield f"together ({', '.join(part.together.liaisons)}): {_verdict(part.together)}"
+        yield _reach(part)
+
+
+def _verdict(one: Integrability) -> str:
+    if one.tested == 0:
+        return "not tested: the rows are not finite near the initial pose"
+    size = f"|dα| {one.defect:.1g}"
+    if one.rows == 0:
+        return "follows from what the joints hold anyway"
+    relations = _count(one.hidden, "relation") + " of positions"
+    if one.integrable:
+        return f"holonomic in disguise: {'integrates' if one.rows == 1 else 'integrate'} to {relations} ({size})"
+    if one.hidden and one.complete:
+        return f"nonholonomic in part: {relations} can be integrated ({size})"
+    return f"nonholonomic ({size})"
+
+
+def _reach(part: PartIntegrability) -> str:
+    one = part.together
+    least = "" if one.complete else "at least "
+    return (
+        f"{_count(one.positions, 'freedom')} of position, {one.velocities} of velocity; "
+        f"{least}{one.reachable} of position can be reached"
+    )
 
 
 def _redundant(title: str, rows: tuple[Redundant, ...]) -> Iterator[str]:
@@ -121,6 +215,11 @@ def _redundant(title: str, rows: tuple[Redundant, ...]) -> Iterator[str]:
     for one in rows:
         what = f"repeats rows of {', '.join(one.repeats)}" if one.repeats else "has nothing free to act on"
         yield f"  {one.row} {what}"
+
+
+def _and(texts: Iterable[str]) -> str:
+    *most, last = texts
+    return f"{', '.join(most)} and {last}" if most else last
 
 
 def _table(rows: Iterable[tuple[str, ...]]) -> list[str]:

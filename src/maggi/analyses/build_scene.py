@@ -10,6 +10,7 @@ from maggi.model.bodies import ElasticBody
 from maggi.model.model import Model
 from maggi.system.build import build_system
 
+from .build_outline import build_outline
 from .first_instant import frames_at_rest
 from .scene import Scene, SceneAttachment, SceneBody, SceneJoint
 from .snapshot import body_kind, visible_liaisons
@@ -51,7 +52,15 @@ def build_scene(model: Model) -> Scene:
         position = start.origin[b] + start.rotation[b] @ table.attachment_point[place.index]
         attachments.append(SceneAttachment(place.body, place.name, position))
     joints = [
-        SceneJoint(entry.name, entry.kind, entry.first, entry.second, entry.position, entry.axis)
+        SceneJoint(
+            entry.name,
+            entry.kind,
+            entry.first,
+            entry.second,
+            entry.position,
+            entry.axis,
+            build_outline(system, entry),
+        )
         for entry in visible_liaisons(system)
     ]
     return Scene(

@@ -83,8 +83,12 @@ class Comparison:
         return all(math.isfinite(x) and x <= self.tolerance for x in found)
 
     def data(self) -> dict[str, Any]:
-        """Everything as dictionaries, lists, texts and numbers, ready for `json.dumps`."""
-        return {**asdict(self), "tolerance": self.tolerance, "agree": self.agree}
+        """Everything as dictionaries, lists, texts and numbers, ready for `json.dumps`; None for what is not finite."""
+        differences = [
+            {key: None if isinstance(x, float) and not math.isfinite(x) else x for key, x in asdict(d).items()}
+            for d in self.differences
+        ]
+        return {**asdict(self), "differences": differences, "tolerance": self.tolerance, "agree": self.agree}
 
     def text(self) -> str:
         """Everything in lines for a person."""
@@ -96,7 +100,7 @@ class Comparison:
             )
             for d in self.differences
         ]
-        verdict = "all five agree" if self.agree else "THEY DISAGREE: please report it with the model"
+        verdict = "all five agree" if self.agree else "THEY DISAGREE"
         lines = [
             "Five formulations at the initial state",
             f"  {self.velocities} velocities, {self.freedoms} of them independent; largest relative differences from Maggi's:",

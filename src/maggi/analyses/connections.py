@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import connected_components
 
 from maggi.model.bodies import RigidBody
 from maggi.model.forces import Force, PointLoad, SpringDamper
-from maggi.model.joints import GROUND, End, Joint
+from maggi.model.joints import GROUND, Coupler, Driver, End, Liaison, Pfaffian, PfaffianFunction
 from maggi.model.model import Model
 
 
@@ -53,15 +53,24 @@ def unused_attachments(model: Model) -> list[str]:
     return [name for name in every if name not in used]
 
 
+def liaison_ends(liaison: Liaison) -> tuple[End, ...]:
+    """The ends of a liaison; none of drivers and couplers, which act on other joints."""
+    if isinstance(liaison, Driver | Coupler):
+        return ()
+    if isinstance(liaison, Pfaffian | PfaffianFunction):
+        return tuple(liaison.ends.values())
+    return liaison.first, liaison.second
+
+
 def _ties(model: Model) -> list[tuple[str, str]]:
-    """Pairs of bodies (or ground) that a joint or a spring ties."""
-    tied = [(one.first, one.second) for one in model.joints.values() if isinstance(one, Joint)]
+    """Pairs of bodies (or ground) that a liaison or a spring ties; ends at points are ground's."""
+    tied = [liaison_ends(one) for one in model.joints.values()]
     tied += [(one.first, one.second) for one in model.forces.values() if isinstance(one, SpringDamper)]
-    return [(first.body, second.body) for first, second in tied]
+    return [(ends[0].body, end.body) for ends in tied for end in ends[1:]]
 
 
 def _ends(model: Model) -> list[End]:
-    ends = [end for one in model.joints.values() if isinstance(one, Joint) for end in (one.first, one.second)]
+    ends = [end for one in model.joints.values() for end in liaison_ends(one)]
     for force in model.forces.values():
         if isinstance(force, PointLoad):
             ends.append(force.on)

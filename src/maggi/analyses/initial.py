@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MotionState
-from maggi.liaisons.tables import ROW_ANGULAR, ROW_OWNER
+from maggi.liaisons.tables import ROW_ANGULAR
 from maggi.model.bodies import RitzBody
 from maggi.model.errors import ModelError
 from maggi.projection.maggi import closest_velocities, project, restore
@@ -15,6 +15,9 @@ from maggi.stepping.allocate import copy_motion
 from maggi.stepping.kernels import move
 from maggi.system.dense import dense_mass, dense_rows, floating_velocities, velocity_scale
 from maggi.system.system import System
+
+from .assembly import assemble
+from .drivers import refuse_overdriven
 
 Array = NDArray[np.float64]
 
@@ -31,8 +34,9 @@ def initial_motion(system: System, notes: list[str]) -> MotionState:
     prescribe(system.motions, system.bodies, 0.0, motion)
     _ritz_coordinates(system, motion)
     refuse_undefined(system, motion)
-    refuse_overdriven(system, motion)
+    _refuse_driven_gaps(system, motion)
     _close_gaps(system, motion, notes)
+    refuse_overdriven(system, motion)
     set_velocities(system, motion, notes)
     return motion
 
@@ -54,34 +58,6 @@ def refuse_undefined(system: System, motion: MotionState) -> None:
         )
 
 
-def refuse_overdriven(system: System, motion: MotionState) -> None:
-    """Raise ModelError where drivers prescribe more than the joints leave free."""
-    driven = np.flatnonzero(system.driven)
-    driven = driven[
-        np.argsort(system.liaisons.row[driven, ROW_OWNER])
-    ]  # the model's order: the later driver is too many
-    if driven.size == 0:
-        return
-    A = dense_rows(system, motion, 0.0).A
-    scale = velocity_scale(system)
-    passive = np.flatnonzero(~system.driven)
-    rank = project(A[passive], scale).rank
-    kept: list[int] = []
-    for row in driven:
-        more = project(A[np.concatenate([passive, kept, [row]]).astype(np.int64)], scale).rank
-        if more == rank:
-            name = system.owner(int(row)).name
-            others = [system.owner(k).name for k in kept]
-            also = f" together with {', '.join(others)}" if others else ""
-            raise ModelError(
-                f"driver {name!r} is one too many: the joints{also} leave its coordinate no freedom",
-                path=f"joints.{name}",
-                remedy="remove a driver, or free a joint so that every driver has a motion of its own",
-            )
-        rank = more
-        kept.append(int(row))
-
-
 def _ritz_coordinates(system: System, motion: MotionState) -> None:
     """Given initial coordinates and rates of Ritz bodies."""
     for entry in system.body_entries:
@@ -99,43 +75,38 @@ def _ritz_coordinates(system: System, motion: MotionState) -> None:
             target[o:e] = values
 
 
-def _close_gaps(system: System, motion: MotionState, notes: list[str]) -> None:
-    rows = dense_rows(system, motion, 0.0)
-    holonomic = system.holonomic
-    Phi = np.where(holonomic, rows.position, 0.0)
-    for driven in np.flatnonzero(system.driven & (np.abs(Phi) > ROUND_OFF * system.size)):
-        name = system.owner(int(driven)).name
+def _refuse_driven_gaps(system: System, motion: MotionState) -> None:
+    Phi = dense_rows(system, motion, 0.0).position
+    for driven in np.flatnonzero(system.driven & system.holonomic & (np.abs(Phi) > ROUND_OFF * system.size)):
         raise ModelError(
             f"the driver starts at {-Phi[driven]:.6g} instead of 0",
-            path=f"joints.{name}",
+            path=f"joints.{system.owner(int(driven)).name}",
             remedy="a joint's coordinate is zero in the initial pose; subtract the function's value at t = 0",
         )
+
+
+def _close_gaps(system: System, motion: MotionState, notes: list[str]) -> None:
+    holonomic = system.holonomic
+    Phi = np.where(holonomic, dense_rows(system, motion, 0.0).position, 0.0)
     worst = float(np.abs(Phi).max(initial=0.0))
     if worst <= ROUND_OFF * system.size:
         return
     row = int(np.argmax(np.abs(Phi)))
     owner = system.owner(row)
     if worst > SMALL * system.size:
-        unit = "rad" if system.liaisons.row[row, ROW_ANGULAR] else "m"
-        raise ModelError(
-            f"the ends of joint {owner.name!r} ({owner.first}, {owner.second}) do not meet: "
-            f"{system.row_label(row)} is off by {abs(Phi[row]):.3g} {unit}",
-            path=f"joints.{owner.name}",
-            remedy="correct the poses or the attachments; `maggi check` prints where they are",
-        )
+        raise _open(system, motion, row, float(Phi[row]))
     moving = floating_velocities(system)
     scale = velocity_scale(system)[moving]
     M = dense_mass(system, motion)[np.ix_(moving, moving)]
-    base = copy_motion(motion)
 
-    def rows_at(increment: Array) -> tuple[Array, Array]:
+    def rows_at(step: Array) -> tuple[Array, Array]:
         full = np.zeros(system.coordinates)
-        full[moving] = increment
-        move(system.bodies, base, full, motion)
+        full[moving] = step
+        move(system.bodies, motion, full, motion)
         at = dense_rows(system, motion, 0.0)
         return at.A[holonomic][:, moving], at.position[holonomic]
 
-    _, left = restore(rows_at, M, scale, ROUND_OFF * system.size)
+    left = restore(rows_at, M, scale, ROUND_OFF * system.size)
     if left > 1e-10 * system.size:
         raise ModelError(
             f"the joints cannot all be closed: {left:.3g} m are left at best",
@@ -143,6 +114,30 @@ def _close_gaps(system: System, motion: MotionState, notes: list[str]) -> None:
             remedy="correct the poses or the attachments",
         )
     notes.append(f"initial gaps up to {worst:.2g} m (joint {owner.name}) were closed")
+
+
+def _open(system: System, motion: MotionState, row: int, gap: float) -> ModelError:
+    """What to say of a joint whose ends do not meet, and whether they could."""
+    owner = system.owner(row)
+    unit = "rad" if system.liaisons.row[row, ROW_ANGULAR] else "m"
+    text = (
+        f"the ends of joint {owner.name!r} ({owner.first}, {owner.second}) do not meet: "
+        f"{system.row_label(row)} is off by {abs(gap):.3g} {unit}"
+    )
+    nearest = assemble(system, motion, owner)
+    if nearest.closed:
+        return ModelError(
+            f"{text}; all joints would close if bodies moved by up to {nearest.shift:.3g} m and {nearest.turn:.3g} rad "
+            f"({nearest.body} most)",
+            path=f"joints.{owner.name}",
+            remedy="correct the poses or the attachments; `maggi check` prints where they are",
+        )
+    return ModelError(
+        f"{text}; the mechanism cannot be assembled: the smallest gap reached is {nearest.gap:.3g} "
+        f"{'rad' if nearest.angular else 'm'} at {nearest.at}",
+        path=f"joints.{owner.name}",
+        remedy="correct the dimensions: attachments, joints' places or axes; `maggi check` prints where they are",
+    )
 
 
 def set_velocities(system: System, motion: MotionState, notes: list[str]) -> None:

@@ -8,11 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lstsq
 
-from maggi.bodies.tables import FIXED, MotionState
+from maggi.bodies.tables import MotionState
 from maggi.liaisons.tables import ROW_OWNER
 from maggi.projection.maggi import project
 from maggi.system.dense import dense_rows, floating_velocities, velocity_scale
 from maggi.system.system import System
+
+from .nearby import Nearby
+from .parts import unknown_velocities
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -42,12 +45,16 @@ class Mobility:
         meshed body all nodal freedoms, among which its six rigid motions are. On a prescribed frame only the elastic
         ones.
     rows, rank, freedoms = velocities − rank. drivers : how many of the rows are drivers'.
+    position_freedoms : velocities − rank of the rows that hold positions; with rows of velocities alone it is more.
     redundant : the rows beyond the rank. Which of a dependent group is called redundant is a choice.
     rigid_velocities, rigid_rank, rigid_mobility, rigid_redundant : the same with every elastic body rigid.
         Rows that act on prescribed frames alone do not count there.
     gruebler : rigid_velocities − rows, the count that takes no notice of redundancy.
+    generic_freedoms, generic_rigid_mobility : the same in neighbouring poses that the joints admit; more freedoms here
+        than there tell a singular pose, such as a dead centre. None where there are no such poses.
+    shaky : the joints admit velocities of rigid bodies here but, it seems, no motion along them.
     smallest_kept, largest_dropped : singular values of the rows, scaled, on either side of the rank (1 and 0 where
-        there are none).
+        there are none). conditioning : of S, scaled, the basis of the admitted velocities (Eq. T8).
     """
 
     velocities: int
@@ -55,22 +62,26 @@ class Mobility:
     drivers: int
     rank: int
     freedoms: int
+    position_freedoms: int
+    generic_freedoms: int | None
     redundant: tuple[Redundant, ...]
     rigid_velocities: int
     rigid_rank: int
     rigid_mobility: int
+    generic_rigid_mobility: int | None
+    shaky: bool
     rigid_redundant: tuple[Redundant, ...]
     gruebler: int
     smallest_kept: float
     largest_dropped: float
+    conditioning: float
 
 
-def mobility(system: System, motion: MotionState) -> Mobility:
-    """Count the freedoms of a system at a pose, by the rank of its liaison rows."""
+def mobility(system: System, motion: MotionState, nearby: Nearby) -> Mobility:
+    """Count the freedoms of a system at a pose, and at others near it, by the rank of its liaison rows."""
     A = dense_rows(system, motion, 0.0).A
     scale = velocity_scale(system)
-    frames = floating_velocities(system)
-    unknown = np.sort(np.concatenate([frames, _elastic(system)]))
+    frames, unknown = floating_velocities(system), unknown_velocities(system)
     of_frames = A[:, frames]
     acting = np.flatnonzero(np.abs(of_frames).max(axis=1, initial=0.0) > 0.0)
     full, rigid = project(A[:, unknown], scale[unknown]), project(of_frames[acting], scale[frames])
@@ -78,37 +89,41 @@ def mobility(system: System, motion: MotionState) -> Mobility:
         body.size - 6 * int(system.bodies.floating[b]) - _width(system, b) for b, body in system.mesh_bodies.items()
     )
     kept, dropped = _singular_values(A[:, unknown] / scale[unknown], full.rank)
+    elsewhere = [dense_rows(system, place.motion, place.time).A for place in nearby.places]
+    ranks = [tuple(project(B[:, columns], scale[columns]).rank for columns in (unknown, frames)) for B in elsewhere]
     return Mobility(
         velocities,
         system.rows,
         int(system.driven.sum()),
         full.rank,
         velocities - full.rank,
+        velocities - project(A[np.ix_(system.holonomic, unknown)], scale[unknown]).rank,
+        velocities - max(rank for rank, _ in ranks) if ranks else None,
         _named(system, A[:, unknown] / scale[unknown], full.rows, full.redundant),
         len(frames),
         rigid.rank,
         len(frames) - rigid.rank,
+        len(frames) - max(rank for _, rank in ranks) if ranks else None,
+        nearby.shaky,
         _named(system, of_frames / scale[frames], acting[rigid.rows], acting[rigid.redundant]),
         len(frames) - len(acting),
         kept,
         dropped,
+        _conditioning(full.S, scale[unknown], scale[unknown][full.independent]),
     )
+
+
+def _conditioning(S: Array, scale: Array, independent: Array) -> float:
+    """Largest over smallest singular value of S on velocities of one unit, m/s."""
+    if S.shape[1] == 0:
+        return 1.0
+    values = np.linalg.svd(scale[:, None] * S / independent, compute_uv=False)
+    return float(values[0] / values[-1])
 
 
 def _width(system: System, body: int) -> int:
     """Elastic coordinates of a body in the small system."""
     return int(system.bodies.offset[body + 1] - system.bodies.offset[body]) - 6
-
-
-def _elastic(system: System) -> IntArray:
-    """Which small coordinates are rates of elastic coordinates."""
-    bodies = system.bodies
-    parts = [
-        np.arange(bodies.offset[b] + 6, bodies.offset[b + 1])
-        for b in range(bodies.kind.size)
-        if bodies.kind[b] != FIXED
-    ]
-    return np.concatenate([np.empty(0, dtype=np.int64), *parts])
 
 
 def _normalised(A: Array) -> Array:

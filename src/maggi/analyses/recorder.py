@@ -8,6 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from .outline import Outline
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -36,7 +38,8 @@ class BodyLayout:
 class JointLayout:
     """One joint or driver: its kind, the names of its ends, and the unit (``m`` or ``rad``) of each coordinate.
 
-    A weld has no coordinate, a revolute one, a cylindrical two, translation before rotation.
+    A weld has no coordinate, a revolute one, a cylindrical two, translation before rotation. outline: what is to be drawn
+    of it beside its point.
     """
 
     name: str
@@ -44,16 +47,18 @@ class JointLayout:
     first: str
     second: str
     units: tuple[str, ...]
+    outline: Outline | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """The shape of every row of a run, and what the result file says about it once."""
+    """The shape of every row of a run, and what the result file says about it once; gravity (3,), m/s², global."""
 
     bodies: tuple[BodyLayout, ...]
     joints: tuple[JointLayout, ...]
     rows: int
     attributes: dict[str, str | float | int]
+    gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .outline import Outline
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -35,7 +37,7 @@ class SceneAttachment:
 
 @dataclass(frozen=True, eq=False)
 class SceneJoint:
-    """A joint: kind, point (3,) and axis (3,) or None, global; the two ends' names."""
+    """A joint: kind, point (3,) and axis (3,) or None, global; the two ends' names; its outline."""
 
     name: str
     kind: str
@@ -43,6 +45,7 @@ class SceneJoint:
     second: str
     position: Array
     axis: Array | None
+    outline: Outline | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ from maggi.stepping.mesh_step import MeshStep
 from maggi.stepping.stepper import Stepper
 from maggi.system.system import LiaisonEntry, System
 
+from .build_outline import build_outline
 from .recorder import BodyLayout, JointLayout, Layout, Row
 
 Array = NDArray[np.float64]
@@ -54,10 +55,11 @@ def layout(system: System, rows: int, attributes: dict[str, str | float | int]) 
             entry.first,
             entry.second,
             tuple(coordinate_unit(int(system.liaisons.coordinate[c, COORDINATE_KIND])) for c in entry.coordinates),
+            build_outline(system, entry),
         )
         for entry in visible_liaisons(system)
     )
-    return Layout(tuple(bodies), joints, rows, attributes)
+    return Layout(tuple(bodies), joints, rows, attributes, system.model.gravity)
 
 
 def coordinate_unit(kind: int) -> str:

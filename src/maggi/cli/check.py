@@ -7,7 +7,7 @@ import click
 from maggi.model.errors import ModelError
 
 from . import options
-from .outcome import Outcome
+from .outcome import Outcome, Status
 
 
 @click.command()
@@ -37,7 +37,7 @@ def check(ctx: click.Context, model: str, overrides: tuple[str, ...], as_json: b
         raise (source.locate(error) if error.path else error) from error
     problems = [*found.problems]
     more, text = {"model": found.data()}, [found.text()]
-    agree = True
+    disagreement: list[ModelError] = []
     if formulations and not problems:
         from maggi.analyses.compare_formulations import compare_formulations
 
@@ -46,11 +46,14 @@ def check(ctx: click.Context, model: str, overrides: tuple[str, ...], as_json: b
         except ModelError as error:
             problems.append(error)
         else:
-            agree = comparison.agree
+            if not comparison.agree:
+                remedy = "this is a mistake in maggi: please report it with the model"
+                disagreement.append(ModelError("the formulations disagree", remedy=remedy))
             more["formulations"] = comparison.data()
             text.append(comparison.text())
-    errors = tuple(source.locate(problem) for problem in problems)
-    outcome = Outcome("error" if errors else "complete" if agree else "failed", errors=errors, more=more)
+    status: Status = "error" if problems else "failed" if disagreement else "complete"
+    errors = (*(source.locate(problem) for problem in problems), *disagreement)
+    outcome = Outcome(status, errors=errors, more=more)
     if as_json:
         outcome.print_json()
     else:

@@ -27,9 +27,9 @@ def kane(question: Question) -> Answer:
         slope[body.slots, body.slots] -= np.einsum("kpi,lpi->kl", weighted, body.acceleration[1:])
     generalised, slope = (active + inertia)[moving], slope[np.ix_(moving, moving)]
     allowed = admissible(*instant.acceleration_rows(), instant.kinetic_weights())
-    motions = allowed.motions
-    rates = np.linalg.lstsq(
-        motions.T @ slope @ motions, -motions.T @ (generalised + slope @ allowed.particular), rcond=1e-13
-    )[0]
-    accelerations = allowed.particular + motions @ rates
+    motions, accelerations = allowed.motions, allowed.particular
+    inertia_of_motions = motions.T @ slope @ motions
+    for _ in range(2):  # the second time takes off the round-off of the first
+        remaining = motions.T @ (generalised + slope @ accelerations)
+        accelerations = accelerations - motions @ np.linalg.lstsq(inertia_of_motions, remaining, rcond=1e-13)[0]
     return Answer(accelerations, -(generalised + slope @ accelerations), {})

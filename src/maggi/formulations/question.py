@@ -47,7 +47,8 @@ class Answer:
 def question_at(system: System, motion: MotionState, t: float, floor: bool = False) -> Question:
     """The question for a system at positions and velocities that its liaisons admit.
 
-    motion : of its accelerations only those of frames that follow another run are looked at. Every elastic body must
+    motion : of its accelerations only those of frames that follow another run are looked at; joint angles are within half
+        a turn of the initial pose, as nothing here counts turns (which torsion springs would feel). Every elastic body must
         bend by coordinates of the small system, or be taken as rigid: meshes with nodal freedoms have none.
     floor : give bodies without inertia about some axis a little (`System.inertia_floor`), so that accelerations about
         that axis are determined where no liaison determines them.

@@ -21,6 +21,9 @@ CONFIRMED = 2  # steps with fresh directions, after which nothing more must have
 # A column that falls below the first of these parts of its length when what is known is taken out, and a direction of
 # unit columns whose squared length falls below the second, is round-off.
 EXHAUSTED, DEPENDENT = 1e-11, 1e-13
+# Products with M are made again where what has changed since is more than the first, or has been magnified by more than
+# the second allows.
+NEGLIGIBLE, DIGITS_LOST = 1e-14, 1e-2
 
 
 class ModesNotFoundError(RuntimeError):
@@ -57,9 +60,11 @@ def lowest_modes(inverse: Callable[[Array], Array], M: Any, count: int, most: in
         inside, outside = part[:used], part[used:]
         corner = inside[width:]
         T = np.block([[T, inside[:width]], [inside[:width].T, 0.5 * (corner + corner.T)]])
+        block = following
+        if block.shape[1] and used < count:
+            continue
         theta, y = np.linalg.eigh(T)
         theta, y = theta[::-1][:count], y[:, ::-1][:, :count]
-        block = following
         residual = np.linalg.norm(outside @ y[width:], axis=0)
         if used >= count and (residual <= TOLERANCE * theta).all():
             if found.size == 0 or np.abs(theta / found - 1.0).max() > 1e-8:
@@ -78,20 +83,23 @@ def _orthonormal(X: Array, Q: Array, M: Any) -> tuple[Array, Array, Array]:
     """M-orthonormal columns Y of what X has outside Q, M Y, and the coefficients of X in [Q, Y]."""
     inside, outside = np.zeros((Q.shape[1], X.shape[1])), np.eye(X.shape[1])
     image = M @ X
-    for _ in range(2):  # the second time for the digits that short columns have lost
+    for repeated in (False, True):  # the second time for the digits that short columns have lost
         before = np.einsum("ij,ij->j", X, image)
         share = Q.T @ image
         X = X - Q @ share
         inside += share @ outside
-        image = M @ X
+        if not repeated or np.abs(share).max(initial=0.0) > NEGLIGIBLE:
+            image = M @ X
         square = np.einsum("ij,ij->j", X, image)
         kept = square > EXHAUSTED**2 * before
         length = np.sqrt(square[kept])
-        unit = X[:, kept] / length
-        squares, turn = np.linalg.eigh(unit.T @ (image[:, kept] / length))
+        unit, image = X[:, kept] / length, image[:, kept] / length
+        squares, turn = np.linalg.eigh(unit.T @ image)
         independent = squares > DEPENDENT
         scale = np.sqrt(squares[independent])
-        X = unit @ (turn[:, independent] / scale)
-        outside = (scale[:, None] * turn[:, independent].T * length) @ outside[kept]
-        image = M @ X
+        turn = turn[:, independent]
+        X, image = unit @ (turn / scale), image @ (turn / scale)
+        outside = (scale[:, None] * turn.T * length) @ outside[kept]
+        if scale.min(initial=1.0) < DIGITS_LOST:
+            image = M @ X
     return X, image, np.vstack([inside, outside])

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,16 @@ IntArray = NDArray[np.int64]
 
 RANK_TOLERANCE = 1e-10
 """A direction counts as dependent where it is this much smaller than the largest, rows and velocities scaled."""
+
+
+class Admitted(Protocol):
+    """Rows A (m, n), the velocities S (n, f) that they admit, and `particular` ones: of a `Projection` or a `Splitting`."""
+
+    @property
+    def A(self) -> Array: ...
+    @property
+    def S(self) -> Array: ...
+    def particular(self, b: Array) -> Array: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +101,7 @@ def project(A: Array, scale: Array | None = None) -> Projection:
     return Projection(A, S, independent, dependent, rows, redundant, gap)
 
 
-def accelerations(projection: Projection, M: Array, f: Array, gamma: Array) -> Array:
+def accelerations(projection: Admitted, M: Array, f: Array, gamma: Array) -> Array:
     """v̇ (n,) of ``M v̇ = f + liaison forces`` with A v̇ + γ = 0: Maggi's equations T9, T10."""
     S = projection.S
     a_p = projection.particular(gamma)
@@ -100,12 +111,12 @@ def accelerations(projection: Projection, M: Array, f: Array, gamma: Array) -> A
     return np.asarray(S @ nud + a_p)
 
 
-def liaison_forces(projection: Projection, residual: Array) -> Array:
+def liaison_forces(projection: Admitted, residual: Array) -> Array:
     """λ (m,) with Aᵀλ = f − M v̇ (T11), of least norm where rows are redundant."""
     return np.asarray(lstsq(projection.A.T, residual)[0])
 
 
-def closest_velocities(projection: Projection, M: Array, v: Array, b: Array) -> Array:
+def closest_velocities(projection: Admitted, M: Array, v: Array, b: Array) -> Array:
     """The velocities that the liaisons admit nearest to v in the kinetic metric M: v itself where it is admitted.
 
     ``v + S(SᵀMS)⁻¹SᵀM(v_p' )`` with any particular correction: the part of the defect along S is free.
@@ -119,18 +130,18 @@ def closest_velocities(projection: Projection, M: Array, v: Array, b: Array) -> 
 
 def restore(
     rows: Callable[[Array], tuple[Array, Array]], M: Array, scale: Array, tolerance: float, attempts: int = 20
-) -> tuple[Array, float]:
-    """Tangent-space position update: the increment (n,) that puts positions back on Φ = 0, least in the metric M.
+) -> float:
+    """Tangent-space position update: Newton's method back to Φ = 0, least in the metric M; the largest |Φ| that is left.
 
-    rows : increment → (A, Φ) there. Returns the increment and the largest |Φ| that is left.
+    rows : step (n,) → (A, Φ) after positions have moved by that step from where they are, the first being zero. Steps
+    are composed, not summed: increments of frames do not add up, and A is that of the moved bodies.
     """
-    increment = np.zeros(len(scale))
+    step = np.zeros(len(scale))
     left = np.inf
     for _ in range(attempts):
-        A, Phi = rows(increment)
+        A, Phi = rows(step)
         left = float(np.abs(Phi).max(initial=0.0))
         if left <= tolerance or not np.isfinite(left):
             break
-        projection = project(A, scale)
-        increment = increment + closest_velocities(projection, M, np.zeros(len(scale)), Phi)
-    return increment, left
+        step = closest_velocities(project(A, scale), M, np.zeros(len(scale)), Phi)
+    return left

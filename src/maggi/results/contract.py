@@ -159,8 +159,8 @@ def modal_bodies(layout: Layout) -> tuple[BodyLayout, ...]:
 
 
 def constants(layout: Layout) -> tuple[Constant, ...]:
-    """Every table that does not change in time: where attachments are on undeformed bodies, and meshes."""
-    listed: list[Constant] = []
+    """Every table that does not change in time: gravity, attachments on undeformed bodies, meshes, outlines of joints."""
+    listed = [Constant("gravity", np.array(layout.gravity), "m/s^2", "acceleration of gravity, global components")]
     for body in layout.bodies:
         for name, point in zip(body.attachments, body.at, strict=True):
             text = "point of the attachment on the undeformed body, body frame"
@@ -175,6 +175,13 @@ def constants(layout: Layout) -> tuple[Constant, ...]:
         for kind, cells in (body.cells or {}).items():
             text = f"{kind} cells: places of their nodes in mesh/nodes, from 0"
             listed.append(Constant(f"{at}/cells/{kind}", cells, "1", text))
+    for joint in layout.joints:
+        if joint.outline is None:
+            continue
+        for side, points in (("first", joint.outline.first), ("second", joint.outline.second)):
+            if len(points):
+                text = f"what is drawn of the joint on its {side} body: points of a line, that body's frame"
+                listed.append(Constant(f"joints/{joint.name}/outline_{side}", points, "m", text))
     return tuple(listed)
 
 

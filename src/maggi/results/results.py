@@ -10,6 +10,7 @@ from typing import Any, Protocol, Self, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from maggi.analyses.outline import Outline
 from maggi.model.errors import ModelError
 
 from .contract import ENERGIES
@@ -112,6 +113,12 @@ class Results:
     def time(self) -> Array:
         """Times of the rows (n,), s."""
         return self._array("time")
+
+    @property
+    def gravity(self) -> Array:
+        """Acceleration of gravity (3,), global, m/s²; zero where the file does not say."""
+        table = self._find("gravity")
+        return np.zeros(3) if table is None else np.asarray(table[:], dtype=np.float64)
 
     @property
     def iterations(self) -> IntArray:
@@ -370,6 +377,12 @@ class JointResults:
         """Coordinates (n, k) in `units`, translation before rotation; k = 0 for joints without any."""
         path = f"{self._path}/coordinate"
         return self._results._array(path) if self._results.has(path) else np.zeros((self._results._source.rows, 0))
+
+    @property
+    def outline(self) -> Outline:
+        """What is drawn of the joint beside its point: lines fixed in its bodies."""
+        found = (self._results._find(f"{self._path}/outline_{side}") for side in ("first", "second"))
+        return Outline(*(np.zeros((0, 3)) if table is None else np.asarray(table[:]) for table in found))
 
     def _said(self, name: str) -> str:
         return str(self._results._source.attributes(self._path).get(name, ""))

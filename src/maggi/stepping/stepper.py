@@ -19,6 +19,7 @@ from maggi.system.system import System
 
 from . import ahead, kernels
 from .allocate import elastic_compliances, new_state, new_work, small_system
+from .failures import almost_flat, why_undefined
 from .mesh_step import MeshStep
 from .policy import MOST, SolvePolicy
 
@@ -256,6 +257,15 @@ class Stepper:
         """Why the iteration of the step to time t did not converge, as a message."""
         rows = self.state.rows
         system = self.system
+        undefined = why_undefined(system, self.state, t, self.coefficients.h)
+        if undefined is not None:
+            return SimulationError(f"{undefined}, at t = {t:.6g} s")
+        flat = almost_flat(system, self.state.now)
+        if flat is not None:
+            return SimulationError(
+                f"the step to t = {t:.6g} s fails: the disc {flat[0].name!r} is about to lie flat on its plane "
+                f"({np.degrees(flat[1]):.2g} degrees are left), where no point of it is the one that rolls"
+            )
         if not all(np.isfinite(part).all() for part in (rows.position, rows.velocity, rows.acceleration)):
             return SimulationError(f"the motion is no longer finite at t = {t:.6g} s; try a smaller step")
         for entry in system.body_entries:

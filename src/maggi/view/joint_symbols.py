@@ -10,14 +10,27 @@ from maggi.analyses.scene import SceneJoint
 from maggi.model.joints import GROUND
 from maggi.results.results import Array
 
+from .outlines import COUPLERS
 from .projection import Camera
 from .style import INK, PAPER
 
 AXIS_LENGTH = 0.11  # of the drawing's size
 _RAIL = 0.032  # half the distance of the two rails of a slider
-# Marker of a joint by its kind; a kind that is not here gets a diamond.
-_MARKERS = {"revolute": "o", "cylindrical": "o", "spherical": "o", "universal": "P", "weld": "X", "planar": "s"}
-_SLIDING = ("prismatic", "cylindrical")
+# Marker of a joint between two frames by its kind; all others are their outlines and a dot, relations a dashed line.
+_MARKERS = {
+    "revolute": "o",
+    "prismatic": "",
+    "cylindrical": "o",
+    "screw": "o",
+    "spherical": "o",
+    "universal": "P",
+    "constant-velocity": "P",
+    "weld": "X",
+    "planar": "s",
+}
+_SLIDING = ("prismatic", "cylindrical", "screw")
+_FILLED = ("screw", "spherical", "constant-velocity", "weld")
+_AXES_SHOWN = (*_MARKERS, "driver")
 
 # Ground: a triangle that hangs from the joint on a hatched line. A driver: an arc with an arrow head.
 _GROUND = Path(
@@ -36,18 +49,28 @@ def draw_joint(axes: Axes, camera: Camera, joint: SceneJoint, size: float, color
 
     size : the drawing's size, m.
     """
+    if joint.kind in COUPLERS:
+        return
     place = camera.flat(joint.position)
     x, y = float(place[0]), float(place[1])
-    if GROUND in (joint.first, joint.second) and joint.kind not in _SLIDING and joint.kind != "driver":
-        axes.scatter(x, y, s=420, marker=_GROUND, facecolor="none", edgecolor=INK, linewidth=1.0, zorder=3.5)
-    if joint.axis is not None:
+    if GROUND in (joint.first, joint.second) and joint.kind in _MARKERS and joint.kind not in _SLIDING:
+        draw_ground(axes, camera, joint.position)
+    if joint.axis is not None and joint.kind in _AXES_SHOWN:
         _draw_axis(axes, place, camera.flat(joint.axis / np.linalg.norm(joint.axis)), joint.kind, size, color)
     if joint.kind == "driver":
         axes.scatter(x, y, s=230, marker=_DRIVER, facecolor="none", edgecolor=color, linewidth=1.5, zorder=5.1)
-    elif joint.kind not in ("prismatic",):
-        marker = _MARKERS.get(joint.kind, "D")
-        fill = color if joint.kind in ("spherical", "weld") else PAPER
+    elif joint.kind not in _MARKERS:
+        axes.scatter(x, y, s=12, facecolor=color, edgecolor="none", zorder=5.0)
+    elif _MARKERS[joint.kind]:
+        fill = color if joint.kind in _FILLED else PAPER
+        marker = _MARKERS[joint.kind]
         axes.scatter(x, y, s=34, marker=marker, facecolor=fill, edgecolor=color, linewidth=1.5, zorder=5.0)
+
+
+def draw_ground(axes: Axes, camera: Camera, position: Array) -> None:
+    """Ground below a point (3,)."""
+    flat = camera.flat(position)
+    axes.scatter(flat[0], flat[1], s=420, marker=_GROUND, facecolor="none", edgecolor=INK, linewidth=1.0, zorder=3.5)
 
 
 def _draw_axis(axes: Axes, place: Array, direction: Array, kind: str, size: float, color: str) -> None:

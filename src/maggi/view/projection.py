@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,14 +38,31 @@ class Camera:
         return None if None in names else (str(names[0]), str(names[1]))
 
 
-def facing(normal: Array) -> Camera:
+UPWARDS = (0.0, 0.0, 1.0)
+
+
+def upwards(gravity: Array) -> Array:
+    """The global axis, or its opposite, that comes closest to the upward direction; z without gravity (3,)."""
+    k = int(np.argmax(np.abs(gravity)))
+    return np.array(UPWARDS) if gravity[k] == 0.0 else -np.sign(gravity[k]) * np.eye(3)[k]
+
+
+def _across(up: Array) -> tuple[Array, Array]:
+    """For an axis that is up, those that run to the right and away from the viewer: a right-handed set."""
+    right = np.eye(3)[1 if up[0] != 0.0 else 0]
+    return right, np.cross(up, right)
+
+
+def facing(normal: Array, vertical: Sequence[float] | Array = UPWARDS) -> Camera:
     """A camera that looks at the plane with a given normal, from the side on which the view reads usually.
 
-    Up is the global z axis as far as the plane allows, y where the plane is horizontal; the side is chosen
-    so that the main horizontal axis runs to the right.
+    Up is the `vertical` (a global axis) as far as the plane allows; where the plane is horizontal, the axis that a
+    viewer above sees going up (y). The side is chosen so that the main horizontal axis runs to the right.
     """
     normal = normal / np.linalg.norm(normal)
-    up = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    up = np.asarray(vertical, dtype=np.float64)
+    if abs(up @ normal) > 0.9:
+        up = _across(up)[1]
     up = up - (up @ normal) * normal
     up /= np.linalg.norm(up)
     right = np.cross(up, normal)
@@ -53,11 +71,13 @@ def facing(normal: Array) -> Camera:
     return Camera(right, up, np.cross(right, up))
 
 
-def axonometric(azimuth: float = -60.0, elevation: float = 24.0) -> Camera:
-    """A camera that looks down on the scene with z upwards; angles in degrees."""
+def axonometric(azimuth: float = -60.0, elevation: float = 24.0, vertical: Sequence[float] | Array = UPWARDS) -> Camera:
+    """A camera that looks down on the scene with a global axis upwards (z); angles in degrees."""
     a, e = np.radians(azimuth), np.radians(elevation)
-    toward = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
-    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    up = np.asarray(vertical, dtype=np.float64)
+    first, second = _across(up)
+    toward = np.cos(e) * (np.cos(a) * first + np.sin(a) * second) + np.sin(e) * up
+    right = np.cos(a) * second - np.sin(a) * first
     return Camera(right, np.cross(toward, right), toward)
 
 

@@ -14,6 +14,7 @@ from maggi.results.results import Array
 from .instants import distinct_points
 from .joint_symbols import draw_joint
 from .labels import Label, place_labels
+from .outlines import COUPLERS, NOWHERE, ROLLING, bodies_at, coupled, draw_coupling, draw_outlines, outline_lines
 from .parts import (
     GRAVITY_BOX,
     RIGID_COLORS,
@@ -25,7 +26,7 @@ from .parts import (
     draw_triad,
     prepare,
 )
-from .projection import Camera, axonometric, facing
+from .projection import Camera, axonometric, facing, upwards
 from .style import new_figure, plain
 
 WIDTH = 10.6  # inches
@@ -37,10 +38,12 @@ _IN_A_PLANE = ("revolute", "driver")  # joints whose axis is the normal of a pla
 
 def scene_figure(scene: Scene) -> Figure:
     """The mechanism in its plane, if its joint axes have a normal in common, and from above one corner."""
-    points = _points(scene)
+    points = np.concatenate([_points(scene), *_outlines(scene)])
+    up = upwards(scene.gravity)
     size = float(np.ptp(points, axis=0).max()) or 1.0
     normal = _common_axis(scene)
-    cameras = [axonometric()] if normal is None else [facing(normal), axonometric()]
+    above = axonometric(vertical=up)
+    cameras = [above] if normal is None else [facing(normal, up), above]
     limits = [(camera.flat(points).min(axis=0), camera.flat(points).max(axis=0)) for camera in cameras]
     heights = [
         0.85 * WIDTH * float(np.clip(np.divide(*(high - low + 0.15 * size)[::-1]), 0.25, 0.8)) for low, high in limits
@@ -58,6 +61,7 @@ def scene_figure(scene: Scene) -> Figure:
 
 def _draw(axes: Axes, camera: Camera, scene: Scene, size: float) -> None:
     rigid = 0
+    wheels = {joint.second.partition(".")[0] for joint in scene.joints if joint.kind in ROLLING}
     for body in sorted(scene.bodies, key=lambda body: float(camera.depth(body.origin))):
         if body.nodes is not None and body.cells is not None:
             nodes = _global(body, body.nodes)
@@ -69,23 +73,40 @@ def _draw(axes: Axes, camera: Camera, scene: Scene, size: float) -> None:
                 draw_beam(axes, camera, nodes, beams, np.tile(to_rgb(ELASTIC_COLOR), (len(beams), 1)))
         else:
             color = RIGID_COLORS[rigid % len(RIGID_COLORS)]
-            draw_link(axes, camera, _corners(scene, body, _NEAR * size), body.rotation, size, color)
+            corners = _corners(scene, body, _NEAR * size)
+            if len(corners) > 1 or body.name not in wheels:
+                draw_link(axes, camera, corners, body.rotation, size, color)
             rigid += 1
     if scene.attachments:
         draw_points(axes, camera, np.stack([attachment.position for attachment in scene.attachments]))
+    draw_outlines(axes, camera, _outlines(scene))
+    places = {joint.name: joint.position for joint in scene.joints}
     for joint in scene.joints:
+        if joint.kind in COUPLERS:
+            draw_coupling(axes, camera, [places[name] for name in coupled(joint.first, joint.second)])
         draw_joint(axes, camera, joint, size, JOINT_COLOR)
 
 
 def _corners(scene: Scene, body: SceneBody, near: float) -> Array:
     """The points that a rigid body's link joins: its attachments, its joints and its centre of mass, each once."""
     points = [attachment.position for attachment in scene.attachments if attachment.body == body.name]
-    points += [
-        joint.position
-        for joint in scene.joints
-        if body.name in (joint.first.partition(".")[0], joint.second.partition(".")[0])
-    ]
+    for joint in scene.joints:
+        if body.name in bodies_at(joint.kind, joint.first, joint.second):
+            points.append(joint.position)
+        if joint.kind == "distance" and joint.outline is not None and body.name == joint.first.partition(".")[0]:
+            points += list(_global(body, joint.outline.first))
     return np.stack(distinct_points([*points, body.center_of_mass], near))
+
+
+def _outlines(scene: Scene) -> list[Array]:
+    """The lines (n, 3) of all joints that have any."""
+    poses = {body.name: (body.origin, body.rotation) for body in scene.bodies}
+    lines = []
+    for joint in scene.joints:
+        if joint.outline is not None:
+            ends = (poses.get(end.partition(".")[0], NOWHERE) for end in (joint.first, joint.second))
+            lines += outline_lines(joint.kind, joint.outline, *ends)
+    return lines
 
 
 def _labels(scene: Scene, near: float) -> list[Label]:
