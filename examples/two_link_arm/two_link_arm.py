@@ -86,7 +86,9 @@ def sagging(model: Model, system: System) -> MotionState:
     return motion
 
 
-def simulate(model: Model, rigid_controller: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def simulate(
+    model: Model, rigid_controller: bool, duration: float = DURATION
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times (n,), joint errors (n, 2) in rad and the tip's bending (n,) in m."""
     system = build_system(model)
     if rigid_controller:
@@ -104,8 +106,8 @@ def simulate(model: Model, rigid_controller: bool) -> tuple[np.ndarray, np.ndarr
     elastic = bool(system.reduced)
     start = sagging(model, system) if elastic else None
     ode = ControlledOde(system, JOINTS, control, start)
-    times = np.linspace(0.0, DURATION, 241)
-    path = solve(ode, (0.0, DURATION), method=RadauIIA if elastic else "DOP853", rtol=1e-6, t_eval=times)
+    times = np.linspace(0.0, duration, 241)
+    path = solve(ode, (0.0, duration), method=RadauIIA if elastic else "DOP853", rtol=1e-6, t_eval=times)
     errors = path.coordinates[:, numbers] - np.array([wanted(t)[0] for t in times])
     return times, errors, _bending(system, path)
 
@@ -170,7 +172,7 @@ def draw(cases: dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]], path: str)
         above.semilogy(t[1:], np.maximum(np.abs(errors[1:]).max(axis=1), 1e-12), color=color, label=name)
         below.plot(t, 1e3 * bending, color=color)
     above.set_ylabel("tracking error [rad]")
-    above.legend(frameon=False, fontsize=8)
+    above.legend(frameon=False, fontsize=8, loc="center", bbox_to_anchor=(0.6, 0.6))
     below.set_ylabel("tip off by bending [mm]")
     below.set_xlabel("t [s]")
     for axes in (above, below):

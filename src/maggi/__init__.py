@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from . import _numba_cache
 
 if TYPE_CHECKING:
-    from .api import check, compare, load, open, run  # noqa: A004
+    from .api import check, compare, linearize, load, ode, open, run  # noqa: A004
     from .model import (
         Attachment,
         BeamMesh,
@@ -142,12 +142,14 @@ __all__ = [
     "compare",
     "expression",
     "formula",
+    "linearize",
     "load",
+    "ode",
     "open",
     "run",
 ]
 
-_FUNCTIONS = ("check", "compare", "load", "open", "run")
+_FUNCTIONS = ("check", "compare", "linearize", "load", "ode", "open", "run")
 
 _numba_cache.configure(Path(__file__).resolve().parent)
 # Idle threads of numba's pool otherwise spin, and on a busy machine parallel kernels wait for them: up to 8 ms a call.

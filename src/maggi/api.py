@@ -1,4 +1,4 @@
-"""The functions of the package itself: ``maggi.load``, ``check``, ``compare``, ``run`` and ``open``."""
+"""The functions of the package itself: ``maggi.load``, ``check``, ``compare``, ``ode``, ``linearize``, ``run``, ``open``."""
 
 from __future__ import annotations
 
@@ -10,9 +10,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from maggi.analyses.audit_report import Audit
     from maggi.analyses.compare_formulations import Comparison
+    from maggi.analyses.linearize import Linearization
+    from maggi.analyses.ode import Ode
     from maggi.analyses.recorder import Progress
+    from maggi.bodies.tables import MotionState
     from maggi.model.model import Model
     from maggi.results.results import Results
+    from maggi.system.system import System
 
 
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Model:
@@ -53,6 +57,38 @@ def compare(model: Model) -> Comparison:
     from maggi.analyses.compare_formulations import compare_formulations
 
     return compare_formulations(model)
+
+
+def ode(model: Model | System, *, strategy: str | None = None) -> Ode:
+    """The equations of motion as y' = f(t, y) in the true freedoms, from the initial state on; see `Ode`.
+
+    Parameters
+    ----------
+    strategy : how independent velocities are chosen: ``lu``, ``qr``, ``svd``, ``tree``; by structure where not given.
+
+    Raises
+    ------
+    ModelError : the model cannot be assembled, has no consistent initial state, or a force on what has no inertia.
+    """
+    from maggi.analyses.ode import equations_of
+
+    return equations_of(model, strategy=strategy)
+
+
+def linearize(model: Model | System, state: MotionState | None = None, t: float = 0.0) -> Linearization:
+    """The linearised equations about a state, such as an equilibrium or a steady motion; see `Linearization`.
+
+    Parameters
+    ----------
+    state : positions and velocities at time t (s) that the liaisons admit; the initial state where not given.
+
+    Raises
+    ------
+    ModelError : as for `ode`.
+    """
+    from maggi.analyses.linearize import linearize as about
+
+    return about(model, state, t)
 
 
 def run(model: Model, output: str | os.PathLike[str] | None = None, progress: Progress | None = None) -> Results:

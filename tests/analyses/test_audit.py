@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from model_texts import FOUR_BAR, PENDULUM, elastic
 
 from maggi.analyses.audit import audit
 from maggi.analyses.build_scene import build_scene
@@ -16,44 +17,9 @@ from maggi.modelfile import read, read_text
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "slider_crank" / "slider_crank.yml"
 
-PENDULUM = """\
-maggi: 1
-gravity: [0, 0, -9.81]
-bodies:
-  arm: {kind: rigid, mass: 2, center_of_mass: [0.5, 0, 0], inertia: [0, 0.1, 0.1], pose: {origin: [0, 0, 1]}}
-joints:
-  hinge: {type: revolute, between: [ground, arm], at: [0, 0, 1], axis: [0, 1, 0]}
-"""
-
-# A parallelogram-free four-bar in the x-z plane: three moving bars, four revolutes about y.
-FOUR_BAR = """\
-maggi: 1
-bodies:
-  crank: {kind: rigid, mass: 1, attachments: {end: {at: [0, 0, 1]}}}
-  coupler: {kind: rigid, mass: 1, pose: {origin: [0, 0, 1]}, attachments: {start: {at: [0, 0, 0]}, end: {at: [3, 0, 1]}}}
-  rocker: {kind: rigid, mass: 1, pose: {origin: [3, 0, 0]}, attachments: {end: {at: [0, 0, 2]}}}
-joints:
-  a: {type: revolute, between: [ground, crank], at: [0, 0, 0], axis: [0, 1, 0]}
-  b: {type: revolute, between: [crank.end, coupler.start], axis: [0, 1, 0]}
-  c: {type: revolute, between: [coupler.end, rocker.end], axis: [0, 1, 0]}
-  d: {type: revolute, between: [ground, rocker], at: [3, 0, 0], axis: [0, 1, 0]}
-"""
-
-STEEL = "{density: 8000, young: 2e11, poisson: 0.3}"
-
 
 def audited(text, **more):
     return audit(read_text(text, **more)[0])
-
-
-def elastic(coupling="rigid", mesh="{box: {size: [2, 0.1, 0.1], cells: [2, 1, 1]}}", **keys):
-    """A block on a hinge: two hex8 in a row, twelve nodes, attachments on the first and the last four."""
-    more = "".join(f", {key}: {value}" for key, value in keys.items())
-    return (
-        f"maggi: 1\nbodies:\n  bar: {{kind: elastic, mesh: {mesh}, material: {STEEL}{more}, attachments: "
-        f"{{a: {{nodes: x_min, coupling: {coupling}}}, b: {{nodes: x_max, coupling: {coupling}}}}}}}\n"
-        "joints:\n  hinge: {type: revolute, between: [ground, bar.a], axis: [0, 1, 0]}\n"
-    )
 
 
 def test_pendulum():

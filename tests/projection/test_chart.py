@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from random_mechanisms import Features, random_model, state_in_motion
+from random_mechanisms import Features, random_model
+from random_states import state_in_motion
 
 from maggi.analyses.ode import Ode
 from maggi.model.errors import ModelError

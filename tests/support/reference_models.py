@@ -177,6 +177,16 @@ def rolling_disc(normal, center, spin, velocity):
     return Model({"disc": disc}, {"contact": contact}, gravity=(0.0, 0.0, -9.81))
 
 
+def disc_in_a_circle():
+    """B1: 70° from the vertical, 1.5 rad/s around a circle."""
+    tilt, spin = np.radians(70.0), -3.0883154069698686
+    n = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
+    up = np.array([0.0, 0.0, 1.0]) - n[2] * n
+    omega = np.array([0.0, 0.0, 1.5]) + (spin - 1.5 * n[2]) * n
+    velocity = np.cross(-0.5 * up / np.linalg.norm(up), omega)
+    return rolling_disc(n, (0.0, 0.0, 0.5 * np.sin(tilt)), omega, velocity)
+
+
 def sleigh():
     """B2: Chaplygin's sleigh, blade at the frame's origin, centre of mass 0.3 m before it."""
     body = RigidBody(
@@ -204,3 +214,43 @@ def ball_on_turntable(tilt=0.0):
     contact = RollingSphere(End("table"), End("ball"), 0.1, Plane())
     gravity = (9.81 * float(np.sin(tilt)), 0.0, -9.81 * float(np.cos(tilt)))
     return Model({"table": table, "ball": ball}, {"contact": contact}, gravity=gravity)
+
+
+def bicycle(speed):
+    """B5: the bicycle of Meijaard et al. (2007), 25 parameters, upright and straight at `speed` (m/s) along x.
+
+    Here y is to the left and z upwards, where the source has z down and y to the right: products of inertia I_xz change
+    their sign, lengths along z too.
+    """
+    w, c, tilt = 1.02, 0.08, np.pi / 10.0
+    rear, front = 0.3, 0.35
+    axis = (-float(np.sin(tilt)), 0.0, float(np.cos(tilt)))  # up along the steering axis, backwards
+    foot = np.array([w + c, 0.0, 0.0])  # where it meets the ground
+    point = foot + 0.9 * np.array(axis)
+    roll = Velocity((speed, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+    def part(mass, at, inertia):
+        return RigidBody(mass, tuple(at), inertia, velocity=roll)
+
+    def wheel(mass, radius, x, across, spin):
+        return RigidBody(
+            mass,
+            inertia=diagonal(across, spin, across),
+            pose=Pose((x, 0.0, radius)),
+            velocity=Velocity((speed, 0.0, 0.0), (0.0, speed / radius, 0.0)),
+        )
+
+    bodies = {
+        "frame": part(85.0, (0.3, 0.0, 0.9), ((9.2, 0.0, -2.4), (0.0, 11.0, 0.0), (-2.4, 0.0, 2.8))),
+        "fork": part(4.0, (0.9, 0.0, 0.7), ((0.05892, 0.0, 0.00756), (0.0, 0.06, 0.0), (0.00756, 0.0, 0.00708))),
+        "rear": wheel(2.0, rear, 0.0, 0.0603, 0.12),
+        "front": wheel(3.0, front, w, 0.1405, 0.28),
+    }
+    joints = {
+        "steering": joint("revolute", "frame", "fork", at=tuple(point.tolist()), axis=axis),
+        "rear_hub": joint("revolute", "frame", "rear", at=(0.0, 0.0, rear), axis=Y),
+        "front_hub": joint("revolute", "fork", "front", at=(w, 0.0, front), axis=Y),
+        "rear_road": RollingDisc(End("ground"), End("rear"), rear, Y, Plane()),
+        "front_road": RollingDisc(End("ground"), End("front"), front, Y, Plane()),
+    }
+    return Model(bodies, joints, gravity=(0.0, 0.0, -9.81))

@@ -13,13 +13,15 @@ from maggi.linalg.rotations import rotation_vector
 from maggi.system.dense import floating_velocities
 from maggi.system.system import LiaisonEntry, System
 
-from .chart import Chart, Place, at_rest, chart
+from .chart import Chart, Place, at_rest, chart, kernel
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 ASSEMBLED = 1e-9  # of the mechanism's size: what may be left of a gap that counts as closed
-_LIGHT = 1e-3  # weight of the joint whose gap is sought: the others are closed first
-_ITERATIONS = 60
+_ITERATIONS = 100
+_LONGEST = 0.3  # step, of the mechanism's size
+_LEAST = 1e-5  # part of the gap that a step has to take away for the next one to be tried
 _STARTS = 4  # the given poses, and others beside them in case those lead to a local minimum
 _SPREAD = 0.2  # how far beside, of the mechanism's size
 
@@ -44,17 +46,25 @@ class Assembly:
 
 
 def assemble(system: System, motion: MotionState, entry: LiaisonEntry) -> Assembly:
-    """Close all gaps from the given poses, that of one joint last: damped Gauss–Newton over the floating frames."""
+    """Close all gaps from the given poses, that of one joint last: damped Gauss–Newton over the floating frames.
+
+    The other joints are closed first and stay so; where they cannot be, all gaps are made small together.
+    """
     here = at_rest(system, motion)
     around = chart(system, floating_velocities(system), here, time=False)
-    held = np.flatnonzero(system.holonomic)
-    weight = np.where(np.isin(held, entry.rows), _LIGHT, 1.0)
+    every = np.flatnonzero(system.holonomic)
+    others = np.setdiff1d(every, entry.rows)
     rng = np.random.default_rng(0)
     best, least = here, np.inf
     for start in range(_STARTS):
         x = rng.normal(size=len(around.unit)) * (_SPREAD if start else 0.0) / np.sqrt(len(around.unit))
-        place = _least_squares(around, around.moved(here, x), held, weight)
-        left = _largest(around, place, held)
+        beside = around.moved(here, x)
+        closed = around.held(beside, others)
+        if closed is None:
+            place = _least_gap(around, beside, every, np.empty(0, dtype=np.int64))
+        else:
+            place = _least_gap(around, closed, np.setdiff1d(every, others), others)
+        left = float(np.abs(around.rows(place)[1]).max(initial=0.0))
         if left < least:
             best, least = place, left
         if least <= ASSEMBLED * system.size:
@@ -62,36 +72,41 @@ def assemble(system: System, motion: MotionState, entry: LiaisonEntry) -> Assemb
     return _told(system, around, here, best, entry, least <= ASSEMBLED * system.size)
 
 
-def _least_squares(around: Chart, place: Place, rows: NDArray[np.int64], weight: Array) -> Place:
-    """Levenberg's method: the damping falls where a step succeeds and rises where it does not."""
+def _least_gap(around: Chart, place: Place, open_rows: IntArray, closed: IntArray) -> Place:
+    """Levenberg's method on the open rows within the places that hold the closed ones.
+
+    The damping falls where a step succeeds and rises where it does not.
+    """
     damping = 1e-3
-    forms, residual = _weighted(around, place, rows, weight)
+    forms, Phi = around.rows(place)
     for _ in range(_ITERATIONS):
-        k = forms.shape[1] - 1
-        system = np.vstack([forms[:, :-1], np.sqrt(damping) * np.eye(k)])
-        step = np.append(np.linalg.lstsq(system, np.append(-residual, np.zeros(k)))[0], 0.0)
-        trial = around.moved(place, step)
-        new_forms, new_residual = _weighted(around, trial, rows, weight)
-        if np.isfinite(new_forms).all() and np.linalg.norm(new_residual) < np.linalg.norm(residual):
-            place, forms, residual = trial, new_forms, new_residual
+        free = kernel(forms[closed, :-1])
+        J, r = _scaled(around, forms, Phi, open_rows)
+        d = free.shape[1]
+        y = np.linalg.lstsq(np.vstack([J @ free, np.sqrt(damping) * np.eye(d)]), np.append(-r, np.zeros(d)))[0]
+        y *= min(1.0, _LONGEST / max(float(np.linalg.norm(y)), 1e-300))
+        trial = around.held(around.moved(place, np.append(free @ y, 0.0)), closed)
+        before, after = float(np.linalg.norm(r)), np.inf
+        if trial is not None:
+            new_forms, new_Phi = around.rows(trial)
+            if np.isfinite(new_forms[open_rows]).all():
+                after = float(np.linalg.norm(_scaled(around, new_forms, new_Phi, open_rows)[1]))
+        if trial is not None and after < before:
+            place, forms, Phi = trial, new_forms, new_Phi
             damping = max(0.1 * damping, 1e-14)
+            if before - after < _LEAST * before or after < 0.1 * ASSEMBLED:
+                break
         else:
             damping *= 10.0
-        if np.linalg.norm(step) < 1e-13 or damping > 1e8:
-            break
+            if damping > 1e6:
+                break
     return place
 
 
-def _weighted(around: Chart, place: Place, rows: NDArray[np.int64], weight: Array) -> tuple[Array, Array]:
+def _scaled(around: Chart, forms: Array, Phi: Array, rows: IntArray) -> tuple[Array, Array]:
     """Rows and residuals without unit: lengths by the mechanism's size."""
-    forms, Phi = around.rows(place)
-    size = around.system.size
-    scale = weight * np.where(around.system.liaisons.row[rows, ROW_ANGULAR] == 1, 1.0, 1.0 / size)
-    return forms[rows] * scale[:, None], Phi[rows] * scale
-
-
-def _largest(around: Chart, place: Place, rows: NDArray[np.int64]) -> float:
-    return float(np.abs(around.rows(place)[1][rows]).max(initial=0.0))
+    scale = np.where(around.system.liaisons.row[rows, ROW_ANGULAR] == 1, 1.0, 1.0 / around.system.size)
+    return forms[rows, :-1] * scale[:, None], Phi[rows] * scale
 
 
 def _told(system: System, around: Chart, here: Place, there: Place, entry: LiaisonEntry, closed: bool) -> Assembly:
@@ -105,12 +120,12 @@ def _told(system: System, around: Chart, here: Place, there: Place, entry: Liais
     gap, turned = float(np.linalg.norm(lengths)), float(np.abs(angles).max(initial=0.0))
     of_angle = gap <= 1e-3 * system.size * turned
     moves = {
-        entry.name: (
+        frame.name: (
             float(np.linalg.norm(there.motion.origin[b] - here.motion.origin[b])),
             float(np.linalg.norm(rotation_vector(here.motion.rotation[b].T @ there.motion.rotation[b]))),
         )
-        for entry in system.body_entries
-        if system.bodies.floating[b := entry.index]
+        for frame in system.body_entries
+        if system.bodies.floating[b := frame.index]
     }
     body = max(moves, key=lambda name: moves[name][0] + system.size * moves[name][1])
     return Assembly(
@@ -119,7 +134,12 @@ def _told(system: System, around: Chart, here: Place, there: Place, entry: Liais
         worst.name,
         turned if of_angle else gap,
         of_angle,
-        max(shift for shift, _ in moves.values()),
-        max(turn for _, turn in moves.values()),
+        _clean(max(shift for shift, _ in moves.values()), system.size),
+        _clean(max(turn for _, turn in moves.values()), 1.0),
         body,
     )
+
+
+def _clean(value: float, scale: float) -> float:
+    """A value, or zero where it is round-off."""
+    return value if value > 1e-12 * scale else 0.0

@@ -11,7 +11,7 @@ from .audit_report import Audit, BodyReport, LiaisonReport, NodeSetReport, Reduc
 from .freedoms import ElasticFreedoms, Freedom, Response
 from .integrability import Integrability, PartIntegrability
 from .mobility import Mobility, Redundant
-from .remedies import LEFT_OUT, Remedy, Replacement
+from .remedies import Remedy
 
 Array = NDArray[np.float64]
 
@@ -129,11 +129,7 @@ def _mobility(found: Mobility, remedies: tuple[Remedy, ...]) -> Iterator[str]:
 def _remedy(one: Remedy) -> Iterator[str]:
     if one.replacements:
         rows = "the redundant row" if one.redundant == 1 else f"the {one.redundant} redundant rows"
-        yield f"{rows} of {', '.join(one.joints)} would go with {_and(map(_replacement, one.replacements))}"
-
-
-def _replacement(one: Replacement) -> str:
-    return f"{one.joint} left out" if one.by == LEFT_OUT else f"{one.joint} {one.by} instead of {one.now}"
+        yield f"{rows} of {', '.join(one.joints)} would go with {_and(map(str, one.replacements))}"
 
 
 def _motions(audit: Audit) -> list[str]:

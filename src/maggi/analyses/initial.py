@@ -94,7 +94,8 @@ def _close_gaps(system: System, motion: MotionState, notes: list[str]) -> None:
     row = int(np.argmax(np.abs(Phi)))
     owner = system.owner(row)
     if worst > SMALL * system.size:
-        raise _open(system, motion, row, float(Phi[row]))
+        _assemble(system, motion, row, float(Phi[row]), notes)
+        worst = 0.0  # what is left is no gap that was given
     moving = floating_velocities(system)
     scale = velocity_scale(system)[moving]
     M = dense_mass(system, motion)[np.ix_(moving, moving)]
@@ -113,31 +114,39 @@ def _close_gaps(system: System, motion: MotionState, notes: list[str]) -> None:
             path=f"joints.{owner.name}",
             remedy="correct the poses or the attachments",
         )
-    notes.append(f"initial gaps up to {worst:.2g} m (joint {owner.name}) were closed")
+    if worst > 0.0:
+        notes.append(f"initial gaps up to {worst:.2g} m (joint {owner.name}) were closed")
 
 
-def _open(system: System, motion: MotionState, row: int, gap: float) -> ModelError:
-    """What to say of a joint whose ends do not meet, and whether they could."""
-    owner = system.owner(row)
+def _assemble(system: System, motion: MotionState, row: int, gap: float, notes: list[str]) -> None:
+    """Move the bodies until a joint whose ends do not meet closes, if the model asks for it.
+
+    Raises ModelError otherwise, and where that is not possible.
+    """
+    owner, simulation = system.owner(row), system.model.simulation
     unit = "rad" if system.liaisons.row[row, ROW_ANGULAR] else "m"
     text = (
         f"the ends of joint {owner.name!r} ({owner.first}, {owner.second}) do not meet: "
         f"{system.row_label(row)} is off by {abs(gap):.3g} {unit}"
     )
     nearest = assemble(system, motion, owner)
-    if nearest.closed:
-        return ModelError(
-            f"{text}; all joints would close if bodies moved by up to {nearest.shift:.3g} m and {nearest.turn:.3g} rad "
-            f"({nearest.body} most)",
+    moves = f"by up to {nearest.shift:.3g} m and {nearest.turn:.3g} rad ({nearest.body} most)"
+    if not nearest.closed:
+        raise ModelError(
+            f"{text}; the mechanism cannot be assembled: the smallest gap reached is {nearest.gap:.3g} "
+            f"{'rad' if nearest.angular else 'm'} at {nearest.at}",
             path=f"joints.{owner.name}",
-            remedy="correct the poses or the attachments; `maggi check` prints where they are",
+            remedy="correct the dimensions: attachments, joints' places or axes; `maggi check` prints where they are",
         )
-    return ModelError(
-        f"{text}; the mechanism cannot be assembled: the smallest gap reached is {nearest.gap:.3g} "
-        f"{'rad' if nearest.angular else 'm'} at {nearest.at}",
-        path=f"joints.{owner.name}",
-        remedy="correct the dimensions: attachments, joints' places or axes; `maggi check` prints where they are",
-    )
+    if simulation is None or not simulation.assemble:
+        raise ModelError(
+            f"{text}; all joints would close if bodies moved {moves}",
+            path=f"joints.{owner.name}",
+            remedy="correct the poses or the attachments, which `maggi check` prints, or let `simulation: {assemble: true}` "
+            "move the bodies",
+        )
+    motion.origin[:], motion.rotation[:] = nearest.motion.origin, nearest.motion.rotation
+    notes.append(f"the joints were assembled: bodies moved {moves}")
 
 
 def set_velocities(system: System, motion: MotionState, notes: list[str]) -> None:

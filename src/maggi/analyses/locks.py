@@ -62,7 +62,7 @@ def _release(system: System, motion: MotionState, A: Array, rows: IntArray, join
     """The simplest replacement that lets the part move, not only for an instant; empty where none does."""
     for replacement, taken in releases(system, A, rows, joints):
         if nearby_poses(system, motion, without=tuple(int(row) for row in taken)).places:
-            return f"{replacement.by} in place of the {replacement.now} {replacement.joint}"
+            return str(replacement)
     return ""
 
 
@@ -72,4 +72,4 @@ def _sentence(bodies: list[str], joints: list[str], rows: int, velocities: int, 
         f"{', '.join(bodies)} {can}: the joints {', '.join(joints)} lock {'them' if len(bodies) > 1 else 'it'} by "
         f"over-constraint ({rows} rows on {velocities} velocities)"
     )
-    return f"{text}; a {release} would free a motion" if release else f"{text}; free a motion of one of these joints"
+    return f"{text}; {release} would free a motion" if release else f"{text}; free a motion of one of these joints"

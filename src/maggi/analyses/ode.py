@@ -8,7 +8,8 @@ equations can be used and none of them drifts.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import OdeSolver
 
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MESH, MotionState
@@ -25,6 +26,7 @@ from maggi.system.system import System
 
 from .differences import central_differences
 from .initial import initial_motion
+from .ode_solution import Trajectory, solve
 
 Array = NDArray[np.float64]
 
@@ -131,6 +133,31 @@ class Ode:
         fall = float(np.sqrt(np.linalg.norm(self.system.forces.gravity) * size))
         return max(float(np.abs(v).max(initial=0.0)), fall if fall > 0.0 else size)
 
+    def solve(
+        self,
+        t_span: tuple[float, float],
+        method: str | type[OdeSolver] = "DOP853",
+        *,
+        rtol: float = 1e-8,
+        atol: ArrayLike | None = None,
+        t_eval: ArrayLike | None = None,
+        y0: Array | None = None,
+        max_step: float = np.inf,
+        first_step: float | None = None,
+    ) -> Trajectory:
+        """The motion over a span of time, through as many charts as it takes; see `ode_solution.solve`."""
+        return solve(
+            self,
+            t_span,
+            method,
+            rtol=rtol,
+            atol=atol,
+            t_eval=t_eval,
+            y0=y0,
+            max_step=max_step,
+            first_step=first_step,
+        )
+
     def event(self, t: float, y: Array) -> float:
         """Positive while the chart is good, negative where it should be renewed; falls continuously on the way there."""
         evaluation = self.at(t, y)
@@ -207,10 +234,17 @@ class Ode:
         return np.concatenate([np.zeros(chart.position_count), chart.velocities.P @ motion.v[self._unknown]])
 
 
-def ode(model: Model | System, *, strategy: str | None = None) -> Ode:
-    """The equations of motion of a model or a system from its initial state; see `Ode`."""
-    system = build_system(model) if isinstance(model, Model) else model
-    return Ode(system, strategy=strategy)
+def equations_of(
+    model: Model | System,
+    motion: MotionState | None = None,
+    t: float = 0.0,
+    *,
+    coordinates: Array | None = None,
+    strategy: str | None = None,
+) -> Ode:
+    """The equations of motion of a model, its meshed bodies with dense elastic coordinates, or of a system; see `Ode`."""
+    system = build_system(model, dense=True) if isinstance(model, Model) else model
+    return Ode(system, motion, t, coordinates=coordinates, strategy=strategy)
 
 
 def _refuse_meshes(system: System) -> None:

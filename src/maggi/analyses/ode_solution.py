@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +14,8 @@ from maggi.bodies.tables import MotionState
 from maggi.model.errors import SimulationError
 from maggi.system.system import System
 
-from .ode import Ode
+if TYPE_CHECKING:
+    from .ode import Ode
 
 Array = NDArray[np.float64]
 
@@ -74,8 +76,8 @@ class Piece:
 def solve(
     ode: Ode,
     t_span: tuple[float, float],
-    *,
     method: str | type[OdeSolver] = "DOP853",
+    *,
     rtol: float = 1e-8,
     atol: ArrayLike | None = None,
     t_eval: ArrayLike | None = None,

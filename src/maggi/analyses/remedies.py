@@ -52,25 +52,25 @@ _SLOT = "point-on-curve along its axis"
 _INSTEAD: Mapping[str, tuple[_Instead, ...]] = MappingProxyType(
     {
         "revolute": (
-            _Instead("cylindrical", ((OFFSET, 2, 0),), keeps=True),
-            _Instead("spherical", (_TURN_X, _TURN_Y)),
-            _Instead("universal joint that turns about its x too", (_TURN_X,)),
-            _Instead("universal joint that turns about its y too", (_TURN_Y,)),
+            _Instead("cylindrical joint", ((OFFSET, 2, 0),), keeps=True),
+            _Instead("spherical joint", (_TURN_X, _TURN_Y)),
+            _Instead("universal joint turning about its x too", (_TURN_X,)),
+            _Instead("universal joint turning about its y too", (_TURN_Y,)),
             _Instead(_SLOT, ((OFFSET, 2, 0), _TURN_X, _TURN_Y), exotic=True),
         ),
         "prismatic": (
-            _Instead("cylindrical", (_TURN_Z,), keeps=True),
+            _Instead("cylindrical joint", (_TURN_Z,), keeps=True),
             _Instead(_SLOT, (_TURN_Z, _TURN_X, (PRODUCT, 2, 0)), exotic=True),
         ),
         "cylindrical": (_Instead(_SLOT, (_TURN_X, _TURN_Y), exotic=True),),
         "planar": (_Instead("point-on-surface in its plane", (_TURN_X, _TURN_Y), exotic=True),),
-        "universal": (_Instead("spherical", (_TURN_Z,)),),
-        "constant-velocity": (_Instead("spherical", ((TWIST, 0, 1),)),),
+        "universal": (_Instead("spherical joint", (_TURN_Z,)),),
+        "constant-velocity": (_Instead("spherical joint", ((TWIST, 0, 1),)),),
         "weld": (
-            _Instead("revolute about x", (_TURN_X,)),
-            _Instead("revolute about y", ((PRODUCT, 2, 0),)),
-            _Instead("revolute about z", (_TURN_Z,)),
-            _Instead("spherical", (_TURN_Z, _TURN_X, (PRODUCT, 2, 0))),
+            _Instead("revolute joint about x", (_TURN_X,)),
+            _Instead("revolute joint about y", ((PRODUCT, 2, 0),)),
+            _Instead("revolute joint about z", (_TURN_Z,)),
+            _Instead("spherical joint", (_TURN_Z, _TURN_X, (PRODUCT, 2, 0))),
         ),
     }
 )
@@ -86,6 +86,11 @@ class Replacement:
     now: str
     by: str
     rows: int
+
+    def __str__(self) -> str:
+        if self.by == LEFT_OUT:
+            return f"{self.joint} left out"
+        return f"a {self.by} in place of the {self.now} {self.joint}"
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,8 @@ class Simulation:
     """A transient run: duration and step (s), generalised-α with spectral radius `rho_inf` at infinity.
 
     tolerance: relative error allowed per step by the iteration. start: elastic bodies in balance with the
-    inertia of the rigid motion (``quasi-static``) or free of strain (``undeformed``).
+    inertia of the rigid motion (``quasi-static``) or free of strain (``undeformed``). assemble: joints that do not meet in
+    the given poses are closed from there instead of being refused.
     """
 
     duration: float
@@ -30,3 +31,4 @@ class Simulation:
     tolerance: float = 1e-8
     start: Literal["quasi-static", "undeformed"] = "quasi-static"
     method: Literal["generalized-alpha"] = "generalized-alpha"
+    assemble: bool = False

@@ -265,6 +265,13 @@ class ChartEvaluation:
             self.rows.previous[:] = self.rows.coordinate[:, 0]
         return reason, sd, nud
 
+    def inertia(self) -> Array:
+        """SᵀMS (f, f) of the state evaluated last (T10)."""
+        S = self.state.S
+        MS = np.empty_like(S)
+        kernels.inertia_product(self.system.bodies, self.chart.table.slot, self.state.motion, S, MS)
+        return np.asarray(S.T @ MS)
+
     def turned(self) -> float:
         """The largest rotation (rad) of a body from the base."""
         bodies, x = self.system.bodies, self.state.x

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, model_validator
 
 from ...model import units
 from ...model.simulation import QUANTITIES, Outputs, Simulation
@@ -39,6 +39,9 @@ class SimulationSection(Section):
         "quasi-static",
         description="elastic bodies start in balance with the loads of the rigid motion, or undeformed",
     )
+    assemble: StrictBool = Field(
+        False, description="bodies move until joints close that do not meet in the given poses"
+    )
 
     @model_validator(mode="after")
     def _countable(self) -> SimulationSection:
@@ -55,7 +58,9 @@ class SimulationSection(Section):
 
     def build(self) -> Simulation:
         """The frozen description."""
-        return Simulation(self.duration, self.step, self.rho_inf, self.tolerance, self.start, self.method)
+        return Simulation(
+            self.duration, self.step, self.rho_inf, self.tolerance, self.start, self.method, self.assemble
+        )
 
 
 def _quantities(value: Any) -> Any:
