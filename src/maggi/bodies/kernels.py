@@ -9,6 +9,35 @@ from maggi.linalg.rotations import exp_so3, left_tangent, left_tangent_rates
 
 from .tables import RIGID, RITZ, Array, AttachmentState, BodyTable, MotionState
 
+# Sums may be taken in any order, so that several entries are multiplied at once.
+REORDERED = {"reassoc", "contract"}
+
+
+@njit(cache=True, fastmath=REORDERED)
+def multiply(matrix: Array, x: Array, out: Array) -> None:
+    """out (n,) = matrix (n, n) x."""
+    for i in range(x.shape[0]):
+        value = 0.0
+        for j in range(x.shape[0]):
+            value += matrix[i, j] * x[j]
+        out[i] = value
+
+
+@njit(cache=True, fastmath=REORDERED)
+def inner(x: Array, y: Array) -> float:
+    """x · y."""
+    value = 0.0
+    for i in range(x.shape[0]):
+        value += x[i] * y[i]
+    return value
+
+
+@njit(cache=True)
+def add_multiple(factor: float, x: Array, out: Array) -> None:
+    """out += factor · x."""
+    for i in range(x.shape[0]):
+        out[i] += factor * x[i]
+
 
 @njit(cache=True)
 def attachment_motion(table: BodyTable, state: MotionState, out: AttachmentState) -> None:
@@ -162,72 +191,126 @@ def generalised_force(
 
 
 @njit(cache=True)
-def deformed_inertia(table: BodyTable, b: int, delta: Array, S: Array, J: Array) -> None:
+def turned_shapes(table: BodyTable, b: int, delta: Array, s2: Array, out: Array) -> None:
+    """out (3, 3, n) = s_kl + H_kl δ of a Ritz body: the products that all terms of second order in ω take (Eq. T3)."""
+    n = delta.shape[0]
+    q = table.ritz_square[b]
+    H = table.H[9 * q : 9 * (q + n * n)].reshape(3, 3, n, n)
+    for k in range(3):
+        for l in range(3):
+            multiply(H[k, l], delta, out[k, l])
+            for i in range(n):
+                out[k, l, i] += s2[k, l, i]
+
+
+@njit(cache=True)
+def swept_shapes(table: BodyTable, b: int, delta: Array, out: Array) -> None:
+    """out (3, n) = s_k + G_k δ of a Ritz body: what couples turning frame and coordinates (Eq. T3)."""
+    n = delta.shape[0]
+    c = table.ritz[b]
+    q = table.ritz_square[b]
+    s = table.s[3 * c : 3 * (c + n)].reshape(3, n)
+    G = table.G[3 * q : 3 * (q + n * n)].reshape(3, n, n)
+    for k in range(3):
+        multiply(G[k], delta, out[k])
+        for i in range(n):
+            out[k, i] += s[k, i]
+
+
+@njit(cache=True)
+def _shape_inertia(table: BodyTable, b: int, delta: Array, s2: Array, turned: Array, S: Array, J: Array) -> None:
     """First moment S = S₀ + m_Oᵀδ and inertia J_kl = J0_kl − δᵀ(s_kl + s_lk) − δᵀH_klδ about the origin (Eq. T5a)."""
     n = delta.shape[0]
+    c = table.ritz[b]
+    m_O = table.m_O[3 * c : 3 * (c + n)].reshape(n, 3)
     for k in range(3):
-        S[k] = table.S0[b, k]
+        value = table.S0[b, k]
+        for i in range(n):
+            value += m_O[i, k] * delta[i]
+        S[k] = value
         for l in range(3):
-            J[k, l] = table.J0[b, k, l]
+            J[k, l] = table.J0[b, k, l] - inner(delta, turned[k, l]) - inner(delta, s2[l, k])
+
+
+@njit(cache=True)
+def deformed_inertia(table: BodyTable, b: int, delta: Array, S: Array, J: Array) -> None:
+    """First moment S and inertia J about the origin of a rigid or Ritz body in its present shape (Eq. T5a)."""
+    n = delta.shape[0]
+    if n == 0:
+        for k in range(3):
+            S[k] = table.S0[b, k]
+            for l in range(3):
+                J[k, l] = table.J0[b, k, l]
+        return
+    c = table.ritz[b]
+    s2 = table.s2[9 * c : 9 * (c + n)].reshape(3, 3, n)
+    turned = np.empty((3, 3, n))
+    turned_shapes(table, b, delta, s2, turned)
+    _shape_inertia(table, b, delta, s2, turned, S, J)
+
+
+@njit(cache=True)
+def frame_mass(table: BodyTable, b: int, delta: Array, mass: Array, coupling: Array) -> None:
+    """The frame's part of the mass matrix about the present shape: mass (6, 6), coupling (6, n) (Eq. T5a)."""
+    n = delta.shape[0]
+    S = np.empty(3)
+    J = np.empty((3, 3))
+    deformed_inertia(table, b, delta, S, J)
+    mass[:, :] = 0.0
+    for k in range(3):
+        mass[k, k] = table.mass[b]
+        for l in range(3):
+            mass[3 + k, 3 + l] = J[k, l]
+    # m v̇ + ε × S
+    mass[0, 4] = S[2]
+    mass[0, 5] = -S[1]
+    mass[1, 3] = -S[2]
+    mass[1, 5] = S[0]
+    mass[2, 3] = S[1]
+    mass[2, 4] = -S[0]
+    for k in range(3):
+        for l in range(3):
+            mass[3 + l, k] = mass[k, 3 + l]
     if n == 0:
         return
     c = table.ritz[b]
-    q = table.ritz_square[b]
     m_O = table.m_O[3 * c : 3 * (c + n)].reshape(n, 3)
-    s2 = table.s2[9 * c : 9 * (c + n)].reshape(3, 3, n)
-    H = table.H[9 * q : 9 * (q + n * n)].reshape(3, 3, n, n)
-    for i in range(n):
-        x = delta[i]
-        for k in range(3):
-            S[k] += m_O[i, k] * x
-            for l in range(3):
-                y = s2[k, l, i] + s2[l, k, i]
-                for j in range(n):
-                    y += H[k, l, i, j] * delta[j]
-                J[k, l] -= x * y
+    for k in range(3):
+        for i in range(n):
+            coupling[k, i] = m_O[i, k]
+    swept_shapes(table, b, delta, coupling[3:])
 
 
 @njit(cache=True)
 def mass_matrix(table: BodyTable, b: int, delta: Array, out: Array) -> None:
     """The (6 + n)² mass matrix of a rigid or Ritz body on (v, ω, δ̇), about its current shape (Eq. T5a)."""
     n = delta.shape[0]
-    S = np.empty(3)
-    J = np.empty((3, 3))
-    deformed_inertia(table, b, delta, S, J)
-    out[:, :] = 0.0
-    for k in range(3):
-        out[k, k] = table.mass[b]
-        for l in range(3):
-            out[3 + k, 3 + l] = J[k, l]
-    # m v̇ + ε × S
-    out[0, 4] = S[2]
-    out[0, 5] = -S[1]
-    out[1, 3] = -S[2]
-    out[1, 5] = S[0]
-    out[2, 3] = S[1]
-    out[2, 4] = -S[0]
-    for k in range(3):
-        for l in range(3):
-            out[3 + l, k] = out[k, 3 + l]
-    if n == 0:
-        return
-    c = table.ritz[b]
+    coupling = np.empty((6, n))
+    frame_mass(table, b, delta, out[:6, :6], coupling)
     q = table.ritz_square[b]
-    m = table.m[q : q + n * n].reshape(n, n)
-    m_O = table.m_O[3 * c : 3 * (c + n)].reshape(n, 3)
-    s = table.s[3 * c : 3 * (c + n)].reshape(3, n)
-    G = table.G[3 * q : 3 * (q + n * n)].reshape(3, n, n)
     for i in range(n):
+        for k in range(6):
+            out[k, 6 + i] = coupling[k, i]
+            out[6 + i, k] = coupling[k, i]
         for j in range(n):
-            out[6 + i, 6 + j] = m[i, j]
-        for k in range(3):
-            out[k, 6 + i] = m_O[i, k]
-            out[6 + i, k] = m_O[i, k]
-            y = s[k, i]
-            for j in range(n):
-                y += G[k, i, j] * delta[j]
-            out[3 + k, 6 + i] = y
-            out[6 + i, 3 + k] = y
+            out[6 + i, 6 + j] = table.m[q + i * n + j]
+
+
+@njit(cache=True, fastmath=REORDERED)
+def _relative_forces(
+    m: Array, stiffness: Array, D: Array, G: Array, w: Array, delta: Array, rate: Array, acceleration: Array, out: Array
+) -> None:
+    """Add m δ̈ + 2 Σ ω_k G_k δ̇ + k δ + D δ̇ to out (n,) (Eq. T2)."""
+    x, y, z = 2.0 * w[0], 2.0 * w[1], 2.0 * w[2]
+    for i in range(delta.shape[0]):
+        value = 0.0
+        for j in range(delta.shape[0]):
+            value += (
+                m[i, j] * acceleration[j]
+                + stiffness[i, j] * delta[j]
+                + (D[i, j] + x * G[0, i, j] + y * G[1, i, j] + z * G[2, i, j]) * rate[j]
+            )
+        out[i] += value
 
 
 @njit(cache=True)
@@ -252,9 +335,55 @@ def inertia_residual(table: BodyTable, b: int, state: MotionState, gravity: Arra
         a[k] -= R[0, k] * gravity[0] + R[1, k] * gravity[1] + R[2, k] * gravity[2]
     S = np.empty(3)
     J = np.empty((3, 3))
+    if n == 0:
+        deformed_inertia(table, b, state.e[o:o], S, J)
+        _frame_forces(table.mass[b], S, J, a, w, eps, out)
+        return
     delta = state.e[o + 6 : o + 6 + n]
-    deformed_inertia(table, b, delta, S, J)
-    mass = table.mass[b]
+    rate = state.v[o + 6 : o + 6 + n]
+    acceleration = state.vd[o + 6 : o + 6 + n]
+    c = table.ritz[b]
+    q = table.ritz_square[b]
+    m_O = table.m_O[3 * c : 3 * (c + n)].reshape(n, 3)
+    s2 = table.s2[9 * c : 9 * (c + n)].reshape(3, 3, n)
+    turned = np.empty((3, 3, n))
+    swept = np.empty((3, n))
+    turned_shapes(table, b, delta, s2, turned)
+    swept_shapes(table, b, delta, swept)
+    _shape_inertia(table, b, delta, s2, turned, S, J)
+    _frame_forces(table.mass[b], S, J, a, w, eps, out)
+    # frame: 2 ω × m_Oᵀδ̇ + m_Oᵀδ̈ and (s_k + G_kδ)·δ̈ − 2 Σ_l ω_l (s_lk + H_lkδ)·δ̇
+    pd = np.zeros(3)
+    for i in range(n):
+        for k in range(3):
+            pd[k] += m_O[i, k] * rate[i]
+            out[k] += m_O[i, k] * acceleration[i]
+    out[0] += 2.0 * (w[1] * pd[2] - w[2] * pd[1])
+    out[1] += 2.0 * (w[2] * pd[0] - w[0] * pd[2])
+    out[2] += 2.0 * (w[0] * pd[1] - w[1] * pd[0])
+    for k in range(3):
+        value = inner(swept[k], acceleration)
+        for l in range(3):
+            value -= 2.0 * w[l] * inner(turned[l, k], rate)
+        out[3 + k] += value
+    # coordinates: m_O a_O + Σ ε_k (s_k + G_kδ) + Σ ω_kω_l (s_kl + H_klδ) and what is relative to the frame
+    for i in range(n):
+        value = 0.0
+        for k in range(3):
+            value += m_O[i, k] * a[k] + eps[k] * swept[k, i]
+            for l in range(3):
+                value += w[k] * w[l] * turned[k, l, i]
+        out[6 + i] = value
+    m = table.m[q : q + n * n].reshape(n, n)
+    stiffness = table.k[q : q + n * n].reshape(n, n)
+    D = table.D[q : q + n * n].reshape(n, n)
+    G = table.G[3 * q : 3 * (q + n * n)].reshape(3, n, n)
+    _relative_forces(m, stiffness, D, G, w, delta, rate, acceleration, out[6:])
+
+
+@njit(cache=True)
+def _frame_forces(mass: float, S: Array, J: Array, a: Array, w: Array, eps: Array, out: Array) -> None:
+    """Force and moment that the body as it stands asks of its frame, set in out[:6] (Eq. T5a)."""
     # force: m a_O + ε × S + ω × (ω × S)
     y0 = w[1] * S[2] - w[2] * S[1]
     y1 = w[2] * S[0] - w[0] * S[2]
@@ -271,51 +400,6 @@ def inertia_residual(table: BodyTable, b: int, state: MotionState, gravity: Arra
     out[5] = S[0] * a[1] - S[1] * a[0] + w[0] * h1 - w[1] * h0
     for k in range(3):
         out[3 + k] += J[k, 0] * eps[0] + J[k, 1] * eps[1] + J[k, 2] * eps[2]
-    if n == 0:
-        return
-    c = table.ritz[b]
-    q = table.ritz_square[b]
-    m = table.m[q : q + n * n].reshape(n, n)
-    stiffness = table.k[q : q + n * n].reshape(n, n)
-    D = table.D[q : q + n * n].reshape(n, n)
-    m_O = table.m_O[3 * c : 3 * (c + n)].reshape(n, 3)
-    s = table.s[3 * c : 3 * (c + n)].reshape(3, n)
-    s2 = table.s2[9 * c : 9 * (c + n)].reshape(3, 3, n)
-    G = table.G[3 * q : 3 * (q + n * n)].reshape(3, n, n)
-    H = table.H[9 * q : 9 * (q + n * n)].reshape(3, 3, n, n)
-    rate = state.v[o + 6 : o + 6 + n]
-    acceleration = state.vd[o + 6 : o + 6 + n]
-    pd = np.zeros(3)
-    for i in range(n):
-        # frame: 2 ω × m_Oᵀδ̇ + m_Oᵀδ̈ and (s_k + G_kδ)·δ̈ − 2 Σ_l ω_l (s_lk + H_lkδ)·δ̇
-        for k in range(3):
-            pd[k] += m_O[i, k] * rate[i]
-            out[k] += m_O[i, k] * acceleration[i]
-            y = s[k, i]
-            x = 0.0
-            for l in range(3):
-                x += w[l] * s2[l, k, i]
-            for j in range(n):
-                y += G[k, i, j] * delta[j]
-                for l in range(3):
-                    x += w[l] * H[l, k, i, j] * delta[j]
-            out[3 + k] += y * acceleration[i] - 2.0 * x * rate[i]
-    out[0] += 2.0 * (w[1] * pd[2] - w[2] * pd[1])
-    out[1] += 2.0 * (w[2] * pd[0] - w[0] * pd[2])
-    out[2] += 2.0 * (w[0] * pd[1] - w[1] * pd[0])
-    for i in range(n):
-        y = 0.0
-        for k in range(3):
-            y += m_O[i, k] * a[k] + eps[k] * s[k, i]
-            for l in range(3):
-                y += w[k] * w[l] * s2[k, l, i]
-        for j in range(n):
-            y += m[i, j] * acceleration[j] + stiffness[i, j] * delta[j] + D[i, j] * rate[j]
-            for k in range(3):
-                y += G[k, i, j] * (2.0 * w[k] * rate[j] + eps[k] * delta[j])
-                for l in range(3):
-                    y += w[k] * w[l] * H[k, l, i, j] * delta[j]
-        out[6 + i] = y
 
 
 @njit(cache=True)

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from maggi.bodies.tables import FIXED, Array, BodyTable, IntArray
+from maggi.bodies.kernels import inner, multiply
+from maggi.bodies.tables import FIXED, MESH, Array, BodyTable, IntArray
 from maggi.liaisons.tables import LiaisonTable
 
 RANK_TOLERANCE = 1e-11
@@ -38,20 +39,13 @@ def assemble_compliance(rows: LiaisonTable, bodies: BodyTable, A: Array, W: Arra
         for x in range(start, end):
             i = rows.incidence[x, 0]
             o = rows.incidence[x, 1]
-            for k in range(n):
-                value = 0.0
-                for l in range(n):
-                    value += block[k, l] * A[o + l]
-                product[k] = value
+            multiply(block, A[o : o + n], product)
             for y in range(start, end):
                 j = rows.incidence[y, 0]
                 if j > i:
                     continue
                 p = rows.incidence[y, 1]
-                value = 0.0
-                for k in range(n):
-                    value += product[k] * A[p + k]
-                out[rows.skyline_start[i] + j - rows.skyline_first[i]] += value
+                out[rows.skyline_start[i] + j - rows.skyline_first[i]] += inner(product, A[p : p + n])
 
 
 @njit(cache=True)
@@ -173,14 +167,14 @@ def product(rows: LiaisonTable, bodies: BodyTable, A: Array, v: Array, out: Arra
 
 
 @njit(cache=True)
-def block_product(bodies: BodyTable, W: Array, f: Array, out: Array) -> None:
-    """out (n,) = W f, block by block."""
+def block_product(bodies: BodyTable, W: Array, f: Array, out: Array, of_meshes: bool = False) -> None:
+    """out (n,) = W f, block by block. of_meshes: only those of meshed bodies, since the others are zero."""
+    if of_meshes:
+        out[:] = 0.0
     for b in range(bodies.kind.shape[0]):
+        if of_meshes and bodies.kind[b] != MESH:
+            continue
         o = bodies.offset[b]
         n = bodies.offset[b + 1] - o
         block = W[bodies.block[b] : bodies.block[b + 1]].reshape(n, n)
-        for k in range(n):
-            value = 0.0
-            for l in range(n):
-                value += block[k, l] * f[o + l]
-            out[o + k] = value
+        multiply(block, f[o : o + n], out[o : o + n])

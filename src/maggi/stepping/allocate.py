@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.tables import MotionState
+from maggi.bodies.tables import RITZ, BodyTable, MotionState
+from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.system.dense import new_attachments, new_rows, velocity_scale
 from maggi.system.system import System
 
@@ -65,6 +66,19 @@ def geometric_metric(system: System) -> Array:
     return metric
 
 
+def elastic_compliances(bodies: BodyTable, c: GeneralizedAlpha, out: Array) -> None:
+    """(σ m + γh D + βh² k)⁻¹ of every Ritz body, flat as `BodyTable.m`; not finite where that is singular."""
+    for b in np.flatnonzero(bodies.kind == RITZ):
+        n = int(bodies.offset[b + 1] - bodies.offset[b]) - 6
+        part = slice(int(bodies.ritz_square[b]), int(bodies.ritz_square[b]) + n * n)
+        matrix = c.sigma * bodies.m[part] + c.gamma * c.h * bodies.D[part] + c.beta * c.h**2 * bodies.k[part]
+        try:
+            inverse = np.linalg.inv(matrix.reshape(n, n))
+        except np.linalg.LinAlgError:
+            inverse = np.full((n, n), np.nan)
+        out[part] = (0.5 * (inverse + inverse.T)).ravel()
+
+
 def new_work(system: System) -> StepWork:
     """Scratch arrays."""
     n, r = system.coordinates, system.rows
@@ -73,6 +87,7 @@ def new_work(system: System) -> StepWork:
     springs = len(system.forces.spring_ends) + system.forces.torsion_coordinate.size
     return StepWork(
         W=np.zeros(blocks),
+        elastic=np.zeros(system.bodies.m.size),
         W_Z=np.zeros(blocks),
         W_D=np.zeros(blocks),
         L=np.zeros(skyline),

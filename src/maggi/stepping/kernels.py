@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
-from maggi.bodies.kernels import attachment_motion, inertia_residual, mass_matrix
+from maggi.bodies.kernels import add_multiple, attachment_motion, frame_mass, inertia_residual, inner, multiply
 from maggi.bodies.motions import MotionTable, prescribe
 from maggi.bodies.tables import FIXED, MESH, RIGID, RITZ, Array, AttachmentState, BodyTable, IntArray, MotionState
 from maggi.forces.kernels import applied_forces
@@ -41,37 +41,84 @@ EPSILON = 2.2e-16
 
 
 @njit(cache=True)
-def compliances(bodies: BodyTable, state: MotionState, c: GeneralizedAlpha, floor: Array, W: Array) -> None:
+def compliances(
+    bodies: BodyTable, state: MotionState, c: GeneralizedAlpha, floor: Array, elastic: Array, W: Array
+) -> None:
     """W = Ŝ⁻¹ with Ŝ = σM + γhD + βh²K for all rigid and Ritz bodies, as they stand (Eq. T12).
 
-    A rigid body's is constant in its own axes; mesh bodies' are kept by `stepping.mesh`. `floor` (b,) is a small
-    inertia (kg m²) added to the iteration matrix, never to the equations, where a body has none of its own.
+    A rigid body's is constant in its own axes; mesh bodies' are kept by `stepping.mesh`. Of a Ritz body only the
+    frame's rows change with its shape, so that with the inverse E⁻¹ of the rest, `elastic`, which a step size keeps, and
+    the coupling X = σ[m_Oᵀ; s + Gδ] it is that of the frame's Schur complement F = σM₆ − X E⁻¹ Xᵀ:
+
+        W = [ F⁻¹             −F⁻¹ X E⁻¹            ]
+            [ −E⁻¹ Xᵀ F⁻¹     E⁻¹ + E⁻¹ Xᵀ F⁻¹ X E⁻¹ ]
+
+    `floor` (b,) is a small inertia (kg m²) added to the iteration matrix, never to the equations, where a body has none
+    of its own.
     """
+    frame = np.empty((6, 6))
     for b in range(bodies.kind.shape[0]):
         if bodies.kind[b] != RIGID and bodies.kind[b] != RITZ:
             continue
         o = bodies.offset[b]
         size = bodies.offset[b + 1] - o
         n = size - 6
-        matrix = np.empty((size, size))
-        mass_matrix(bodies, b, state.e[o + 6 : o + size], matrix)
         q = bodies.ritz_square[b]
-        for i in range(size):
-            for j in range(size):
-                matrix[i, j] *= c.sigma
-        for i in range(3):
-            matrix[3 + i, 3 + i] += c.sigma * floor[b]
-        for i in range(n):
-            for j in range(n):
-                matrix[6 + i, 6 + j] += (
-                    c.gamma * c.h * bodies.D[q + i * n + j] + c.beta * c.h * c.h * bodies.k[q + i * n + j]
-                )
+        E = elastic[q : q + n * n].reshape(n, n)
         block = W[bodies.block[b] : bodies.block[b + 1]].reshape(size, size)
-        block[:, :] = 0.0
-        if bodies.floating[b] == 1:
-            invert(matrix, block)
-        elif n > 0:
-            invert(matrix[6:, 6:], block[6:, 6:])
+        if bodies.floating[b] == 0:
+            block[:6, :] = 0.0
+            block[6:, :6] = 0.0
+            block[6:, 6:] = E
+            continue
+        coupling = np.empty((6, n))
+        response = np.empty((6, n))
+        frame_mass(bodies, b, state.e[o + 6 : o + size], frame, coupling)
+        for k in range(6):
+            for i in range(n):
+                coupling[k, i] *= c.sigma
+            multiply(E, coupling[k], response[k])
+        for k in range(6):
+            for l in range(6):
+                frame[k, l] = c.sigma * frame[k, l] - inner(coupling[k], response[l])
+        for i in range(3):
+            frame[3 + i, 3 + i] += c.sigma * floor[b]
+        invert(frame, block[:6, :6])
+        for k in range(6):
+            column = block[k][6:]
+            column[:] = 0.0
+            for l in range(6):
+                add_multiple(-block[k, l], response[l], column)
+            for i in range(n):
+                block[6 + i, k] = column[i]
+        for i in range(n):
+            row = block[6 + i][6:]
+            row[:] = E[i]
+            for k in range(6):
+                add_multiple(-response[k, i], block[k][6:], row)
+
+
+@njit(cache=True)
+def add_elastic_forces(bodies: BodyTable, b: int, shift: Array, rate_shift: Array, out: Array) -> None:
+    """Add K Δe + D Δė of a Ritz body to out (n,)."""
+    n = out.shape[0]
+    q = bodies.ritz_square[b]
+    k = bodies.k[q : q + n * n].reshape(n, n)
+    D = bodies.D[q : q + n * n].reshape(n, n)
+    for i in range(n):
+        out[i] += inner(k[i], shift) + inner(D[i], rate_shift)
+
+
+@njit(cache=True)
+def damping_power(bodies: BodyTable, b: int, rate: Array) -> float:
+    """Power (W) that the damping of a Ritz body takes."""
+    n = rate.shape[0]
+    q = bodies.ritz_square[b]
+    D = bodies.D[q : q + n * n].reshape(n, n)
+    power = 0.0
+    for i in range(n):
+        power += rate[i] * inner(D[i], rate)
+    return power
 
 
 @njit(cache=True)
@@ -282,11 +329,8 @@ def iterate(
     bodies enter by `work.base` (their one back-substitution) and `work.accounted` and are linear here.
     """
     gravity = forces.gravity
-    stiffness = bodies.k
-    damping = bodies.D
     kind = bodies.kind
     offset = bodies.offset
-    ritz_square = bodies.ritz_square
     row = liaisons.row
     first = liaisons.skyline_first
     start = liaisons.skyline_start
@@ -373,7 +417,7 @@ def iterate(
         worst_before = worst
         if refresh:
             if has_ritz:
-                compliances(bodies, next_motion, c, floor, W)
+                compliances(bodies, next_motion, c, floor, work.elastic, W)
             assemble_compliance(liaisons, bodies, A, W, L)
             sine = 1.0
             if factorise(first, start, L, pivot, scale, active, True) < SUSPECT:
@@ -408,12 +452,12 @@ def iterate(
             block_product(bodies, W, vector, shift)
             for i in range(n):
                 position_force[i] += vector[i]
-            block_product(bodies, W_Z, vector, delta)
+            block_product(bodies, W_Z, vector, delta, True)
             transpose_product(liaisons, bodies, A, kappa, vector)
             block_product(bodies, W, vector, rate_shift)
             for i in range(n):
                 velocity_force[i] += vector[i]
-            block_product(bodies, W_D, vector, residual)
+            block_product(bodies, W_D, vector, residual, True)
             # what the shifts of mesh bodies' elastic coordinates do through K and D: −Zπ, −Z_Dκ
             for i in range(n):
                 delta[i] = -delta[i] - residual[i]
@@ -430,15 +474,8 @@ def iterate(
             e = offset[b + 1]
             if kind[b] == RIGID or kind[b] == RITZ:
                 inertia_residual(bodies, b, next_motion, gravity, residual[o:e])
-                m = e - o - 6
-                q = ritz_square[b]
-                for i in range(m):
-                    value = 0.0
-                    for j in range(m):
-                        value += (
-                            stiffness[q + i * m + j] * shift[o + 6 + j] + damping[q + i * m + j] * rate_shift[o + 6 + j]
-                        )
-                    residual[o + 6 + i] += value
+                if e > o + 6:
+                    add_elastic_forces(bodies, b, shift[o + 6 : e], rate_shift[o + 6 : e], residual[o + 6 : e])
                 for i in range(o, e):
                     residual[i] += applied[i] + vector[i]
             elif kind[b] == MESH:
@@ -544,7 +581,6 @@ def accept(
     """
     kind = bodies.kind
     offset = bodies.offset
-    damping = bodies.D
     applied = state.applied
     multipliers = state.multipliers
     multipliers_next = state.multipliers_next
@@ -557,12 +593,7 @@ def accept(
     for b in range(kind.shape[0]):
         if kind[b] != RITZ:
             continue
-        o = offset[b] + 6
-        m = offset[b + 1] - o
-        q = bodies.ritz_square[b]
-        for i in range(m):
-            for j in range(m):
-                dissipation += v[o + i] * damping[q + i * m + j] * v[o + j]
+        dissipation += damping_power(bodies, b, v[offset[b] + 6 : offset[b + 1]])
     power = constraint_power(
         bodies, gravity, next_motion, rows.rhs, multipliers_next, applied, work.base, work.residual
     )

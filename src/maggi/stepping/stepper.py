@@ -18,7 +18,7 @@ from maggi.model.errors import SimulationError
 from maggi.system.system import System
 
 from . import ahead, kernels
-from .allocate import new_state, new_work, small_system
+from .allocate import elastic_compliances, new_state, new_work, small_system
 from .failures import almost_flat, why_undefined
 from .mesh_step import MeshStep
 from .policy import MOST, SolvePolicy
@@ -85,19 +85,25 @@ class Stepper:
             return
         self.coefficients = generalized_alpha(h, self._rho_inf)
         c, work = self.coefficients, self.work
-        kernels.compliances(self.small.bodies, self.state.now, c, self.system.inertia_floor, work.W)
+        self._condense(c)
         for mesh in self.meshes:
             self._announce(f"factorising {mesh.body.name} ({mesh.body.size:,} freedoms)")
             self.counts.factorisations += mesh.prepare(c, work.W, work.W_Z, work.W_D)
         self.policy.restart()
         self._smooth = False
 
+    def _condense(self, c: GeneralizedAlpha) -> None:
+        """Compliances of rigid and Ritz bodies for a step."""
+        bodies, work = self.small.bodies, self.work
+        elastic_compliances(bodies, c, work.elastic)
+        kernels.compliances(bodies, self.state.now, c, self.system.inertia_floor, work.elastic, work.W)
+
     def start_accelerations(self, t: float) -> None:
         """True accelerations and liaison forces of the present state (Eq. T10), the algorithmic ones set equal."""
         ahead.finish(self._announce)
         c = instantaneous()
         state, work = self.state, self.work
-        kernels.compliances(self.small.bodies, state.now, c, self.system.inertia_floor, work.W)
+        self._condense(c)
         for present, following in zip(state.now, state.next, strict=True):
             following[:] = present
         prescribe(self.small.motions, self.small.bodies, t, state.next)

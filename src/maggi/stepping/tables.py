@@ -62,7 +62,8 @@ class StepState(NamedTuple):
 
 
 class StepWork(NamedTuple):
-    """Scratch arrays of the step. W (flat blocks): compliances Ŝ⁻¹ of bodies on their small coordinates.
+    """Scratch arrays of the step. W (flat blocks): compliances Ŝ⁻¹ of bodies on their small coordinates. elastic (flat,
+    as `BodyTable.m`): those of Ritz bodies' coordinates alone, for the present step size.
 
     W_Z, W_D (flat blocks): B̂ᵀŜ⁻¹KŜ⁻¹B̂ of mesh bodies and the same with D. L (skyline), pivot, scale (r,). active (r,): 0 for rows that are
     dependent by geometry; metric (flat blocks), metric_scale (r,): what that is judged in, see `range_space`.
@@ -72,6 +73,7 @@ class StepWork(NamedTuple):
     """
 
     W: Array
+    elastic: Array
     W_Z: Array
     W_D: Array
     L: Array
