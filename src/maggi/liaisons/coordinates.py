@@ -24,7 +24,18 @@ from .tables import (
     LiaisonState,
     LiaisonTable,
 )
-from .vectors import axis, cross, dot, to_global, to_local
+from .vectors import (
+    axis,
+    cross,
+    difference,
+    dot,
+    row,
+    scalar_product,
+    to_global,
+    to_local,
+    turned_axis,
+    vector_product,
+)
 
 
 @njit(cache=True)
@@ -80,30 +91,34 @@ def joint_coordinates(table: LiaisonTable, attachments: AttachmentState, out: Li
             axis(R, table.frame[j, 0], k, z)
             cross(w[p], z, zd)
             out.coordinate[c, 0] = y[k]
-        else:
-            # the angle about z between an axis of the first and the same axis of the second, both normal to z
-            if kind == ROTATION:
-                axis(R, table.frame[j, 0], k, z)
-                cross(w[p], z, zd)
-                other = (k + 1) % 3
-            else:
-                axis(S, table.frame[j, 1], k, z)
-                cross(w[q], z, zd)
-                other = (k + 2) % 3
-            axis(R, table.frame[j, 0], other, x)
-            axis(S, table.frame[j, 1], other, y)
-            cosine = dot(x, y)
-            cross(x, y, x)
-            angle = math.atan2(dot(x, z), cosine)
-            turns = round((out.previous[c] - angle) / (2.0 * math.pi))
-            out.coordinate[c, 0] = angle + 2.0 * math.pi * turns
-        value = 0.0
+            rate = 0.0
+            value = 0.0
+            for i in range(3):
+                wrench[0, 3 + i] = -z[i]
+                wrench[1, 3 + i] = z[i]
+                rate += z[i] * (w[q, i] - w[p, i])
+                value += zd[i] * (w[q, i] - w[p, i]) + z[i] * (al[q, i] - al[p, i])
+            out.coordinate[c, 1] = rate
+            out.coordinate[c, 2] = value
+            continue
+        # the angle about an axis between an axis of the first and the same axis of the second, both normal to it
+        first = kind == ROTATION
+        carrier = p if first else q
+        other = (k + 1) % 3 if first else (k + 2) % 3
+        about = turned_axis(attachments.rotation, carrier, table.frame, j, 0 if first else 1, k)
+        turning = vector_product(row(w, carrier), about)
+        a = turned_axis(attachments.rotation, p, table.frame, j, 0, other)
+        b = turned_axis(attachments.rotation, q, table.frame, j, 1, other)
+        angle = math.atan2(scalar_product(vector_product(a, b), about), scalar_product(a, b))
+        turns = round((out.previous[c] - angle) / (2.0 * math.pi))
+        spin = difference(row(w, q), row(w, p))
+        out.coordinate[c, 0] = angle + 2.0 * math.pi * turns
+        out.coordinate[c, 1] = scalar_product(about, spin)
+        value = scalar_product(turning, spin)
+        out.coordinate[c, 2] = value + scalar_product(about, difference(row(al, q), row(al, p)))
         for i in range(3):
-            wrench[0, 3 + i] = -z[i]
-            wrench[1, 3 + i] = z[i]
-            value += zd[i] * (w[q, i] - w[p, i]) + z[i] * (al[q, i] - al[p, i])
-        out.coordinate[c, 1] = _rate(wrench, attachments, p, q)
-        out.coordinate[c, 2] = value
+            wrench[0, 3 + i] = -about[i]
+            wrench[1, 3 + i] = about[i]
 
 
 @njit(cache=True)

@@ -29,7 +29,6 @@ from .tables import (
     CURVE,
     CURVE_DATA,
     DISTANCE,
-    OFFSET,
     ROLL,
     ROLL_SPHERE,
     ROW_FIRST,
@@ -60,10 +59,6 @@ def point_direction(
     D = np.empty(3)
     for l in range(3):
         D[l] = attachments.position[q, l] - attachments.position[p, l]
-    if kind == OFFSET:
-        axis(attachments.rotation[p], table.frame[j, 0], first, N)
-        cross(w[p], N, Nd)
-        return dot(N, D)
     if kind == BLADE:
         axis(attachments.rotation[q], table.frame[j, 1], first, N)
         cross(w[q], N, Nd)

@@ -16,6 +16,7 @@ from .sums import pfaffian_row, relation_row
 from .tables import (
     CALLBACK,
     DISTANCE,
+    OFFSET,
     PFAFFIAN,
     PRODUCT,
     RATE_RELATION,
@@ -29,7 +30,7 @@ from .tables import (
     LiaisonState,
     LiaisonTable,
 )
-from .vectors import axis, cross, dot
+from .vectors import cross, difference, dot, row, scalar_product, total, turned_axis, vector_product
 
 
 @njit(cache=True)
@@ -71,48 +72,93 @@ def point_row(attachments: AttachmentState, p: int, q: int, start: int, i: int, 
     cross(rho, N, second[3:])
 
 
-@njit(cache=True)
+@njit(inline="always")
+def offset_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> None:
+    """Φ = a·(p₂ − p₁) with the axis a of the first: `point_row` with N = a and no arm, written out for speed."""
+    j = table.row[i, ROW_JOINT]
+    p, q = table.joint[j, 0], table.joint[j, 1]
+    w = row(attachments.angular_velocity, p)
+    a = turned_axis(attachments.rotation, p, table.frame, j, 0, table.row[i, ROW_FIRST])
+    D = difference(row(attachments.position, q), row(attachments.position, p))
+    V = difference(row(attachments.velocity, q), row(attachments.velocity, p))
+    A = difference(row(attachments.acceleration, q), row(attachments.acceleration, p))
+    turning = vector_product(w, a)
+    moment = vector_product(a, D)
+    out.position[i] = scalar_product(D, a)
+    out.velocity[i] = scalar_product(V, a) + scalar_product(D, turning)
+    value = scalar_product(A, a) + 2.0 * scalar_product(V, turning)
+    value += scalar_product(moment, row(attachments.angular_acceleration, p))
+    out.acceleration[i] = value + scalar_product(D, vector_product(w, turning))
+    e = table.end_start[i]
+    for l in range(3):
+        out.wrench[e, l] = -a[l]
+        out.wrench[e, 3 + l] = moment[l]
+        out.wrench[e + 1, l] = a[l]
+        out.wrench[e + 1, 3 + l] = 0.0
+
+
+@njit(inline="always")
 def turn_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> None:
     """Products of axes: Φ = a_k·b_l, or a_k·b_l − a_l·b_k; a turns with the first end, b with the second."""
     j = table.row[i, ROW_JOINT]
     p, q = table.joint[j, 0], table.joint[j, 1]
-    w1, w2 = attachments.angular_velocity[p], attachments.angular_velocity[q]
-    a, b, ad, bd, x = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    n, nd = np.zeros(3), np.zeros(3)
+    w1, w2 = row(attachments.angular_velocity, p), row(attachments.angular_velocity, q)
+    spin = difference(w1, w2)
+    turn = difference(row(attachments.angular_acceleration, p), row(attachments.angular_acceleration, q))
     k, l = table.row[i, ROW_FIRST], table.row[i, ROW_SECOND]
     value = 0.0
-    for term in range(2):
-        sign = 1.0
-        if term == 1:
-            if table.row[i, ROW_KIND] == PRODUCT:
-                break
-            k, l = l, k
-            sign = -1.0
-        axis(attachments.rotation[p], table.frame[j, 0], k, a)
-        axis(attachments.rotation[q], table.frame[j, 1], l, b)
-        value += sign * dot(a, b)
-        cross(w1, a, ad)
-        cross(w2, b, bd)
-        cross(ad, b, x)
-        cross(a, bd, bd)
-        cross(a, b, ad)
-        for m in range(3):
-            n[m] += sign * ad[m]
-            nd[m] += sign * (x[m] + bd[m])
     rate = 0.0
     acceleration = 0.0
-    first, second = out.wrench[table.end_start[i]], out.wrench[table.end_start[i] + 1]
-    for m in range(3):
-        rate += n[m] * (w1[m] - w2[m])
-        acceleration += nd[m] * (w1[m] - w2[m])
-        acceleration += n[m] * (attachments.angular_acceleration[p, m] - attachments.angular_acceleration[q, m])
-        first[m] = 0.0
-        second[m] = 0.0
-        first[3 + m] = n[m]
-        second[3 + m] = -n[m]
+    e = table.end_start[i]
+    for m in range(6):
+        out.wrench[e, m] = 0.0
+        out.wrench[e + 1, m] = 0.0
+    sign = 1.0
+    for _ in range(1 if table.row[i, ROW_KIND] == PRODUCT else 2):
+        a = turned_axis(attachments.rotation, p, table.frame, j, 0, k)
+        b = turned_axis(attachments.rotation, q, table.frame, j, 1, l)
+        n = vector_product(a, b)
+        turning = total(vector_product(vector_product(w1, a), b), vector_product(a, vector_product(w2, b)))
+        value += sign * scalar_product(a, b)
+        rate += sign * scalar_product(n, spin)
+        acceleration += sign * (scalar_product(n, turn) + scalar_product(turning, spin))
+        for m in range(3):
+            out.wrench[e, 3 + m] += sign * n[m]
+            out.wrench[e + 1, 3 + m] -= sign * n[m]
+        k, l = l, k
+        sign = -1.0
     out.position[i] = value
     out.velocity[i] = rate
     out.acceleration[i] = acceleration
+
+
+@njit(inline="always")
+def on_bodies(
+    table: LiaisonTable, bodies: BodyTable, state: MotionState, attachments: AttachmentState, out: LiaisonState
+) -> None:
+    """A: the rows' coefficients on the bodies' velocities, from those on their ends' twists."""
+    for x in range(table.end.shape[0]):
+        end = table.end[x, 0]
+        start = table.end[x, 1]
+        b = bodies.attachment_body[end]
+        size = bodies.offset[b + 1] - bodies.offset[b]
+        f = row(out.wrench, x)
+        m = (out.wrench[x, 3], out.wrench[x, 4], out.wrench[x, 5])
+        if size == 6:  # of a rigid body: (Rᵀf, c × Rᵀf + Rᵀm), c the point in body axes
+            R = state.rotation
+            force = (
+                R[b, 0, 0] * f[0] + R[b, 1, 0] * f[1] + R[b, 2, 0] * f[2],
+                R[b, 0, 1] * f[0] + R[b, 1, 1] * f[1] + R[b, 2, 1] * f[2],
+                R[b, 0, 2] * f[0] + R[b, 1, 2] * f[1] + R[b, 2, 2] * f[2],
+            )
+            moment = vector_product(row(attachments.arm, end), force)
+            for k in range(3):
+                out.A[start + k] = force[k]
+                out.A[start + 3 + k] = moment[k] + R[b, 0, k] * m[0] + R[b, 1, k] * m[1] + R[b, 2, k] * m[2]
+        elif size > 0:
+            part = out.A[start : start + size]
+            part[:] = 0.0
+            generalised_force(bodies, state, attachments, end, f[0], f[1], f[2], m[0], m[1], m[2], part)
 
 
 @njit(cache=True)
@@ -128,11 +174,12 @@ def evaluate_rows(
     joint_coordinates(table, attachments, out)
     work = np.empty((4, 3))
     jet = np.empty(3)
-    out.A[:] = 0.0
     out.rhs[:] = 0.0
     for i in range(table.row.shape[0]):
         kind = table.row[i, ROW_KIND]
-        if kind == PRODUCT or kind == TWIST:
+        if kind == OFFSET:
+            offset_row(table, attachments, i, out)
+        elif kind == PRODUCT or kind == TWIST:
             turn_row(table, attachments, i, out)
         elif kind == RELATION or kind == RATE_RELATION:
             relation_row(table, i, t, out)
@@ -152,23 +199,4 @@ def evaluate_rows(
                 out.rhs[i] = -jet[1]
                 out.velocity[i] -= jet[1]
                 out.acceleration[i] -= jet[2]
-    for i in range(table.row.shape[0]):
-        for x in range(table.end_start[i], table.end_start[i + 1]):
-            end = table.end[x, 0]
-            b = bodies.attachment_body[end]
-            start = table.end[x, 1]
-            size = bodies.offset[b + 1] - bodies.offset[b]
-            wrench = out.wrench[x]
-            generalised_force(
-                bodies,
-                state,
-                attachments,
-                end,
-                wrench[0],
-                wrench[1],
-                wrench[2],
-                wrench[3],
-                wrench[4],
-                wrench[5],
-                out.A[start : start + size],
-            )
+    on_bodies(table, bodies, state, attachments, out)
