@@ -39,8 +39,11 @@ def mechanism_figure(results: Results) -> Figure | None:
     points = _points(results, step)
     middle = points.mean(axis=1) if _travels(results, points) else np.zeros((len(points), 3))
     points = points - middle[:, None]
-    seen = np.concatenate([points, _tips(results, step, float(np.ptp(points.reshape(-1, 3), axis=0).max()))], axis=1)
-    chosen = different_instants(seen, INSTANTS, _most_bent(results, step))
+    bent = _most_bent(results, step)
+    chosen = different_instants(points, INSTANTS, bent)
+    if len(chosen) < INSTANTS:  # no point moves
+        tips = _tips(results, step, float(np.ptp(points.reshape(-1, 3), axis=0).max()))
+        chosen = different_instants(np.concatenate([points, tips], axis=1), INSTANTS, bent)
     rows = chosen * step
     shapes = tuple(body_shape(results, name) for name in elastic_bodies(results))
     factor = exaggeration(shapes, rows)
