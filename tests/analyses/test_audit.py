@@ -8,14 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from model_texts import FOUR_BAR, PENDULUM, elastic
+from model_texts import FOUR_BAR, PENDULUM, VELOCITY_ROWS, elastic
 
 from maggi.analyses.audit import audit
 from maggi.analyses.build_scene import build_scene
 from maggi.analyses.modal import body_modes
 from maggi.modelfile import read, read_text
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "slider_crank" / "slider_crank.yml"
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "examples" / "slider_crank" / "slider_crank.yml"
 
 
 def audited(text, **more):
@@ -304,3 +305,85 @@ def test_progress_is_told():
     told = Told()
     audit(read_text(elastic())[0], told)
     assert told == ["assembling bar"]
+
+
+def keys(value):
+    """All keys of nested dictionaries and lists."""
+    if isinstance(value, dict):
+        for key, entry in value.items():
+            yield key
+            if key != "cells":  # named by the types of cells
+                yield from keys(entry)
+    elif isinstance(value, list):
+        for entry in value:
+            yield from keys(entry)
+
+
+def test_every_key_of_the_data_is_in_the_document():
+    page = (ROOT / "docs" / "check.md").read_text(encoding="utf-8")
+    page = page[page.index("## `--json`") :]
+    four_bar = FOUR_BAR + "  motor: {type: driver, joint: a, angle: t}\n"
+    reduced = elastic(reduction="{method: craig-bampton, modes: 2}")
+    blade = PENDULUM.replace(
+        "joints:", "joints:\n  edge: {type: knife-edge, between: [ground, arm], at: [1, 0, 1], direction: [0, 1, 0]}"
+    )
+    found = {
+        key
+        for text in (four_bar, reduced, blade, FOUR_BAR.replace("[0, 0, 2]", "[0, 0, 9]"))
+        for key in keys(audited(text).data())
+    }
+    assert {key for key in found if f"`{key}`" not in page} == set()
+    assert {"replacements", "reachable", "responses", "range", "remedy"} <= found
+
+
+def test_the_document_quotes_what_is_told():
+    page = (ROOT / "docs" / "check.md").read_text(encoding="utf-8")
+    quoted = page.split("```text\n")[1].split("```")[0]
+    told = audit(read(ROOT / "examples" / "bicycle" / "bicycle.yml")[0]).text()
+    assert [line for line in quoted.splitlines() if line not in told.splitlines()] == []
+
+
+def test_what_is_told_of_a_slider_crank():
+    text = audit(read(EXAMPLE)[0]).text()
+    for line in (
+        "the 3 redundant rows of bearing, crankpin, wristpin, cylinder would go with a spherical joint in place of the revolute "
+        "crankpin and a cylindrical joint in place of the revolute wristpin",
+        # 75 mm over 300 mm, at the outer dead centre
+        "bearing: angle, driven by motor  with it crankpin -1.25, wristpin 0.25",
+        "rod bends: 15,777 elastic freedoms",
+        "of the elastic freedoms the joints hold 3",
+    ):
+        assert line in text, line
+    assert "Rows that hold no position" not in text
+
+
+@pytest.mark.parametrize(
+    ("name", "verdicts"),
+    [
+        (
+            "disc",
+            [
+                "r  rolling-disc  nonholonomic (|dα|",
+                "5 freedoms of position, 3 of velocity; 5 of position can be reached",
+            ],
+        ),
+        ("wheel in a plane", ["r  rolling-disc  holonomic in disguise: integrates to 1 relation of positions"]),
+        ("skates in tandem", ["together (", "holonomic in disguise: integrate to 2 relations of positions"]),
+        (
+            "skates side by side",
+            ["nonholonomic (|dα|", "3 freedoms of position, 2 of velocity; 3 of position can be reached"],
+        ),
+        ("driven speed", ["m  driver  holonomic in disguise: integrates to 1 relation of positions (|dα| 0)"]),
+    ],
+)
+def test_what_is_told_of_rows_without_a_position(name, verdicts):
+    text = audited(VELOCITY_ROWS[name][0]).text()
+    section = text[text.index("Rows that hold no position") :]
+    for verdict in verdicts:
+        assert verdict in section, section
+
+
+def test_rows_that_take_nothing_away_are_told_to_be_so():
+    """A speed of zero along what the hinge holds."""
+    text = audited(PENDULUM + "  row: {type: pfaffian, between: {k: arm}, rows: [k.v.y]}\n").text()
+    assert "row  pfaffian  follows from what the joints hold anyway" in text

@@ -282,8 +282,31 @@ def test_the_view_goes_along_with_what_travels():
             half = 0.25 * np.linalg.norm(camera.flat(np.array([0.0, 0.0, 1.0])))
             assert np.ptp(rim[:, 1]) >= 2 * half - 1e-12
     still = mechanism_figure(rolling(40, 0.5))
+    assert all(len(axes.lines) >= 4 for axes in still.axes)  # two rims and the ways of the two centres
     assert "the view goes along" not in still.get_suptitle()
     assert len({axes.get_xlim() for axes in still.axes}) == 1
+
+
+def test_bodies_that_only_turn_are_seen_to_turn():
+    body = BodyLayout("wheel", "rigid", (), np.zeros((0, 3)))
+    recorder = MemoryRecorder(("bodies",))
+    recorder.begin(Layout((body,), (), 30, {}))
+    for t in np.linspace(0.0, 1.5, 30):
+        c, s = np.cos(t), np.sin(t)
+        turn, none, some = (
+            np.array([[[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]]),
+            np.zeros((0, 3)),
+            fake_runs.row(float(t)),
+        )
+        recorder.write(
+            replace(
+                some, origin=np.zeros((1, 3)), rotation=turn, position=none, attachment_rotation=np.zeros((0, 3, 3)), velocity=none,
+                angular_velocity=none, displacement=(), modal=(), joint_position=none, force=none, torque=none,
+                unique=np.zeros(0, dtype=np.int64), coordinate=(),
+            )
+        )  # fmt: skip
+    recorder.end("complete")
+    assert len(mechanism_figure(recorder.results()).axes) == 4
 
 
 def test_scenes_with_next_to_nothing(tmp_path):

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import qr
 
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MotionState
@@ -27,7 +28,7 @@ IntArray = NDArray[np.int64]
 
 CLOSED = 1e-11  # what |Φ| may be left with, relative to the mechanism's size
 _ATTEMPTS = 30
-_DEPENDENT = 1e-9  # singular values of rows of length about one, below which they count as dependent
+_DEPENDENT = 1e-9  # pivots of rows of length about one, below which they count as dependent
 DIFFERENCE = 1e-3  # step of differences, of the mechanism's size
 _STENCIL = ((-2, 1.0 / 12.0), (-1, -8.0 / 12.0), (1, 8.0 / 12.0), (2, -1.0 / 12.0))
 
@@ -70,13 +71,13 @@ class Chart:
         return forms * self.unit, np.where(self.system.holonomic, at.position, 0.0)
 
     def bracket(self, x: Array, y: Array) -> Array:
-        """[X, Y] (k + 1,) of the fields with constant components x and y: the commutator of se(3), frame by frame."""
+        """[X, Y] (…, k + 1) of fields with constant components x and y (…, k + 1): the commutator of se(3), frame by frame."""
         a, b = x * self.unit, y * self.unit
-        out = np.zeros_like(x)
-        for o in self.frames:
-            v, w, p, q = a[o : o + 3], a[o + 3 : o + 6], b[o : o + 3], b[o + 3 : o + 6]
-            out[o : o + 3] = np.cross(w, p) - np.cross(q, v)
-            out[o + 3 : o + 6] = np.cross(w, q)
+        out = np.zeros(np.broadcast_shapes(x.shape, y.shape))
+        linear = np.array(self.frames, dtype=np.int64)[:, None] + np.arange(3)
+        v, w, p, q = a[..., linear], a[..., linear + 3], b[..., linear], b[..., linear + 3]
+        out[..., linear] = np.cross(w, p) - np.cross(q, v)
+        out[..., linear + 3] = np.cross(w, q)
         return out / self.unit
 
     def derivative(self, place: Place, x: Array, step: float = DIFFERENCE) -> Iterator[tuple[float, Place]]:
@@ -177,11 +178,14 @@ def at_rest(system: System, motion: MotionState, time: float = 0.0) -> Place:
     return Place(resting, time)
 
 
-def kernel(forms: Array) -> Array:
-    """An orthonormal basis (k, d) of the increments on which all the forms (r, k) vanish."""
-    size = np.linalg.norm(forms, axis=1)
+def kernel(forms: Array, lengths: Array | None = None) -> Array:
+    """An orthonormal basis (k, d) of the increments on which all the forms (r, k) vanish.
+
+    lengths (r,) : beside which a form counts as dependent on others or as zero; by default their own.
+    """
+    size = np.linalg.norm(forms, axis=1) if lengths is None else lengths
     used = forms[size > 0.0] / size[size > 0.0, None]
     if not len(used):
         return np.eye(forms.shape[1])
-    _, values, V = np.linalg.svd(used)
-    return np.asarray(V[int(np.sum(values > _DEPENDENT)) :].T)
+    Q, R, _ = qr(used.T, pivoting=True)
+    return np.asarray(Q[:, int(np.sum(np.abs(np.diag(R)) > _DEPENDENT)) :])

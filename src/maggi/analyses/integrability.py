@@ -43,10 +43,11 @@ INTEGRABLE = 1e-6
 """The largest |dα|, rows and directions of length one and lengths in mechanism sizes, that still counts as zero."""
 PLACES = 3  # random ones, beside the pose itself
 REACH = 0.1  # how far away they are, of the mechanism's size
-_NESTED = 1e-2  # step of nested differences: each level divides round-off by it
+_NESTED = ((2e-2, 1e-2), (4e-3, 2e-3), (8e-4, 4e-4))  # pairs of steps of nested differences, of the mechanism's size
+_AGREE = 0.2  # what a bracket found with the two of a pair may differ by
 _NEW = 1e-5  # part of a bracket outside the directions known so far, from which on it is a new one
-_LONGEST = 7  # fields in a bracket
-_MOST_FIELDS = 300  # beyond so many admissible directions only brackets of two are looked at
+_LONGEST = 5  # fields in a bracket: round-off is divided by the step with each
+_MOST_ROWS = 60_000  # evaluated in search of the closure
 
 
 @dataclass(frozen=True)
@@ -103,135 +104,179 @@ def _of_part(system: System, motion: MotionState, part: Part, velocity_rows: Int
     around = chart(system, part.columns, here)
     rng = np.random.default_rng(0)
     places = [here, *(there for _ in range(PLACES) if (there := around.nearby(here, holding, rng, REACH)) is not None)]
+    held = [one for place in places if (one := _Held.at(around, place, holding)) is not None]
     owner = system.liaisons.row[:, ROW_OWNER]
     singles = []
     for one in dict.fromkeys(owner[velocity_rows].tolist()):
         name = system.liaison_entries[one].name
-        singles.append(_of_rows((name,), around, places, holding, velocity_rows[owner[velocity_rows] == one]))
+        singles.append(_of_rows((name,), held, velocity_rows[owner[velocity_rows] == one]))
     if len(singles) == 1:
         return PartIntegrability(tuple(singles), singles[0])
     names = tuple(one.liaisons[0] for one in singles)
-    return PartIntegrability(tuple(singles), _of_rows(names, around, places, holding, velocity_rows))
+    return PartIntegrability(tuple(singles), _of_rows(names, held, velocity_rows))
 
 
-def _of_rows(
-    names: tuple[str, ...], around: Chart, places: Sequence[Place], holding: IntArray, velocity_rows: IntArray
-) -> Integrability:
-    tested = [
-        one
-        for place in places
-        if (one := _Distribution.at(around, place, np.concatenate([holding, velocity_rows]), velocity_rows)) is not None
-    ]
+def _of_rows(names: tuple[str, ...], held: Sequence[_Held], velocity_rows: IntArray) -> Integrability:
+    tested = [one for place in held if (one := _Distribution.at(place, velocity_rows)) is not None]
     if not tested:
         return Integrability(names, 0, 0, 0, 0, False, 0.0, 0)
     # where brackets lead furthest the place is a general one
-    best = max(tested, key=lambda one: (-one.fields.shape[1], one.brackets.shape[1]))
-    spatial = best.forms[holding, :-1]
-    positions = kernel(spatial).shape[1]
-    velocities = kernel(best.forms[np.concatenate([holding, velocity_rows]), :-1]).shape[1]
+    best = max(tested, key=lambda one: (-one.fields.shape[1], len(one.pairs)))
+    spatial = best.held.spatial
+    positions = spatial.shape[1]
+    forms = best.held.forms[velocity_rows]
+    velocities = kernel(forms[:, :-1] @ spatial, np.linalg.norm(forms, axis=1)).shape[1]
     clock = best.fields.shape[1] - velocities  # 1: time passes along with the admissible velocities
     dimension, complete = best.closure(positions + clock)
-    defect = max(one.defect for one in tested)
     return Integrability(
         names,
         positions - velocities,
         positions,
         velocities,
         dimension - clock,
-        complete or defect <= INTEGRABLE,
-        defect,
+        complete,
+        max(one.defect for one in tested),
         len(tested),
     )
 
 
 @dataclass(frozen=True, eq=False)
-class _Distribution:
-    """The admissible increments at a place.
+class _Held:
+    """A place with its rows as forms (r, k + 1), those that hold positions, and the increments that these admit.
 
-    rows : all that must hold, an independent set. fields (k + 1, d): orthonormal. forms (r, k + 1): all rows.
-    brackets (m, j): dα on j chosen pairs of fields, independent; pairs : which.
+    admitted (k + 1, d), and spatial (k, p) at one time: orthonormal.
     """
 
     chart: Chart
     place: Place
-    rows: IntArray
+    holding: IntArray
     forms: Array
+    admitted: Array
+    spatial: Array
+
+    @staticmethod
+    def at(around: Chart, place: Place, holding: IntArray) -> _Held | None:
+        """None where the rows are not finite."""
+        forms, _ = around.rows(place)
+        if not np.isfinite(forms[holding]).all():
+            return None
+        return _Held(around, place, holding, forms, kernel(forms[holding]), kernel(forms[holding, :-1]))
+
+
+@dataclass(frozen=True, eq=False)
+class _Distribution:
+    """The increments that some rows without a position admit beside those that hold positions.
+
+    rows : all that must hold, an independent set. fields (k + 1, d): orthonormal. pairs : those whose brackets lead out of
+    the fields, independently; directions (k + 1, j): where to, orthonormal and at right angles to the fields.
+    """
+
+    held: _Held
+    rows: IntArray
     fields: Array
-    brackets: Array
     pairs: tuple[tuple[int, int], ...]
+    directions: Array
     defect: float
 
     @staticmethod
-    def at(around: Chart, place: Place, rows: IntArray, velocity_rows: IntArray) -> _Distribution | None:
-        """The distribution of some rows and dα of those without a position; None where they are not finite."""
-        forms, _ = around.rows(place)
-        if not np.isfinite(forms[rows]).all():
+    def at(held: _Held, velocity_rows: IntArray) -> _Distribution | None:
+        """The distribution at a place; None where the rows are not finite there or beside it."""
+        forms = held.forms
+        if not np.isfinite(forms[velocity_rows]).all():
             return None
-        fields = kernel(forms[rows])
-        rank = forms.shape[1] - fields.shape[1]
-        order = qr(_unit_rows(forms[rows]).T, mode="r", pivoting=True)[1]
-        values = _exterior_derivative(around, place, velocity_rows, fields)
+        weight = np.linalg.norm(forms[velocity_rows], axis=1)
+        fields = held.admitted @ kernel(forms[velocity_rows] @ held.admitted, weight)
+        values = _exterior_derivative(held.chart, held.place, velocity_rows, fields)
         if values is None:
             return None
-        # combinations of the rows of length one beside the rows that hold positions
-        weight = np.linalg.norm(forms[velocity_rows], axis=1)
         values = values / np.where(weight > 0.0, weight, 1.0)[:, None, None]
         defect = float(np.abs(values).max(initial=0.0))
         above = np.triu_indices(fields.shape[1], 1)
         table = values[:, above[0], above[1]]
-        brackets = np.zeros((len(velocity_rows), 0))
+        all_rows = np.concatenate([held.holding, velocity_rows])
         pairs: tuple[tuple[int, int], ...] = ()
+        directions = np.zeros((len(fields), 0))
         if table.size and defect > INTEGRABLE:
             R, chosen = qr(table, mode="r", pivoting=True)
             found = int(np.sum(np.abs(np.diag(R)) > INTEGRABLE * max(1.0, defect)))
-            brackets = table[:, chosen[:found]]
             pairs = tuple((int(above[0][k]), int(above[1][k])) for k in chosen[:found])
-        return _Distribution(around, place, rows[np.sort(order[:rank])], forms, fields, brackets, pairs, defect)
+            # α([X, Y]) = −dα(X, Y), and zero for the rows that hold positions
+            right = np.zeros((len(all_rows), found))
+            right[len(held.holding) :] = -table[:, chosen[:found]]
+            directions = np.linalg.qr(lstsq(_unit_rows(forms[all_rows]), right)[0])[0]
+        order = qr(_unit_rows(forms[all_rows]).T, mode="r", pivoting=True)[1]
+        rank = forms.shape[1] - fields.shape[1]
+        return _Distribution(held, all_rows[np.sort(order[:rank])], fields, pairs, directions, defect)
 
     def closure(self, most: int) -> tuple[int, bool]:
         """Dimension of the involutive closure, which is at most `most`, and whether it was found."""
         count = self.fields.shape[1]
-        dimension = count + len(self.pairs)
-        if not self.pairs or dimension >= most:
-            return min(dimension, most), True
-        if count > _MOST_FIELDS:
-            return dimension, False
-        known = self.fields
-        words: list[Word] = [(a, b) for a, b in self.pairs]
-        length = 2
-        while words:
+        known = np.column_stack([self.fields, self.directions])
+        if not self.pairs or known.shape[1] >= most:
+            return min(known.shape[1], most), True
+        complete = True
+        words: list[Word] = [(a, pair) for pair in self.pairs for a in range(count)]
+        budget = _MOST_ROWS // max(1, len(self.held.forms))
+        for length in range(3, _LONGEST + 1):
             kept: list[Word] = []
             for word in words:
-                value = self._value(word, self.place)
-                rest = value - known @ (known.T @ value)
-                rest -= known @ (known.T @ rest)
-                size = float(np.linalg.norm(rest))
-                if size > _NEW * max(1.0, float(np.linalg.norm(value))):
-                    known = np.column_stack([known, rest / size])
+                budget -= _cost(length)
+                if budget < 0:
+                    return known.shape[1], False
+                rest, sure = self._new_direction(word, known)
+                complete = complete and sure
+                if rest is not None:
+                    known = np.column_stack([known, rest])
                     kept.append(word)
                     if known.shape[1] >= most:
                         return most, True
-            length += 1
-            if length > _LONGEST:
-                return known.shape[1], False
+            if not kept:
+                return known.shape[1], complete
             words = [(a, word) for word in kept for a in range(count)]
-        return known.shape[1], True
+        return known.shape[1], False
 
-    def _value(self, word: Word, place: Place) -> Array:
+    def _new_direction(self, word: Word, known: Array) -> tuple[Array | None, bool]:
+        """The direction that a bracket adds to orthonormal ones (k + 1, d), if any, and whether that is sure.
+
+        Two steps of differences must agree on it: otherwise it is what truncation or round-off, which each level of a bracket
+        magnifies, has made of nothing.
+        """
+        for steps in _NESTED:
+            rests, small = [], 0
+            for step in steps:
+                value = self._value(word, self.held.place, step)
+                if not np.isfinite(value).all():
+                    break
+                rest = value - known @ (known.T @ value)
+                rests.append(np.asarray(rest - known @ (known.T @ rest)))
+                small += bool(np.linalg.norm(rest) <= _NEW * max(1.0, float(np.linalg.norm(value))))
+            if small == len(steps):
+                return None, True
+            if small == 0 and len(rests) == len(steps):
+                coarse, fine = rests
+                length = float(np.linalg.norm(fine))
+                if np.linalg.norm(coarse - fine) <= _AGREE * length:
+                    return fine / length, True
+        return None, False
+
+    def _value(self, word: Word, place: Place, step: float) -> Array:
         """A word's field at a place: [X, Y] = (∂Y·X) − (∂X·Y) + the commutator of constant components."""
         if isinstance(word, int):
             return self._field(word, place)
         first, second = word
-        X, Y = self._field(first, place), self._value(second, place)
-        along_x = self._sum((w, self._value(second, there)) for w, there in self.chart.derivative(place, X, _NESTED))
-        along_y = self._sum((w, self._field(first, there)) for w, there in self.chart.derivative(place, Y, _NESTED))
-        return along_x - along_y + self.chart.bracket(X, Y)
+        X, Y = self._field(first, place), self._value(second, place, step)
+        along_x = self._sum(
+            (w, self._value(second, there, step)) for w, there in self.held.chart.derivative(place, X, step)
+        )
+        along_y = self._sum((w, self._field(first, there)) for w, there in self.held.chart.derivative(place, Y, step))
+        return along_x - along_y + self.held.chart.bracket(X, Y)
 
     def _field(self, number: int, place: Place) -> Array:
         """The field through fields[:, number] here: that vector, projected on what the rows admit there."""
         constant = self.fields[:, number]
-        forms = self.chart.rows(place)[0][self.rows]
-        return np.asarray(constant - lstsq(forms, forms @ constant)[0])
+        forms = self.held.chart.rows(place)[0][self.rows]
+        Q = np.linalg.qr(forms.T)[0]
+        return np.asarray(constant - Q @ (Q.T @ constant))
 
     @staticmethod
     def _sum(terms: Iterator[tuple[float, Array]]) -> Array:
@@ -258,11 +303,17 @@ def _exterior_derivative(around: Chart, place: Place, rows: IntArray, fields: Ar
         )
     if not np.isfinite(rate).all():
         return None
-    out = np.empty((len(rows), d, d))
-    for a in range(d):
-        for b in range(d):
-            out[:, a, b] = rate[a, :, b] - rate[b, :, a] - forms @ around.bracket(basis[:, a], basis[:, b])
+    brackets = around.bracket(basis.T[:, None, :], basis.T[None, :, :])
+    out = rate.transpose(1, 0, 2) - rate.transpose(1, 2, 0) - np.einsum("mk,abk->mab", forms, brackets)
     return np.asarray(np.einsum("ap,mab,bq->mpq", coordinates, out, coordinates))
+
+
+def _cost(length: int) -> int:
+    """Evaluations of all rows for a bracket of so many fields with one pair of steps."""
+    one = 1
+    for _ in range(length - 1):
+        one = 4 * one + 5
+    return 2 * one
 
 
 def _acting(around: Chart, rows: IntArray) -> NDArray[np.bool_]:

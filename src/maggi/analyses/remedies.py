@@ -24,12 +24,13 @@ from maggi.model.forces import TorsionSpring
 from maggi.model.joints import Coupler, Driver
 from maggi.system.system import LiaisonEntry, System
 
+from .chart import kernel
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _SHARE = 1e-6  # of a row in the dependences, from which on it takes part in them
 _CLEAR = 1e-2  # smallest singular value of Z on rows that are taken away: their directions are told apart by the others
-_DEPENDENT = 1e-9  # singular values of rows of length one, below which they count as dependent
 _MOST_JOINTS = 3
 _MOST_TRIALS = 20_000
 _Row = tuple[int, int, int]
@@ -150,8 +151,7 @@ def dependences(system: System, A: Array, rows: IntArray) -> list[tuple[IntArray
     size = np.linalg.norm(A, axis=1)
     if not A.size:
         return []
-    U, values, _ = np.linalg.svd(A / np.where(size > 0.0, size, 1.0)[:, None])
-    Z = U[:, int(np.sum(values > _DEPENDENT)) :]
+    Z = kernel((A / np.where(size > 0.0, size, 1.0)[:, None]).T)
     involved = np.flatnonzero(np.linalg.norm(Z, axis=1) > _SHARE)
     owner = system.liaisons.row[rows[involved], ROW_OWNER]
     together = (np.abs(Z[involved] @ Z[involved].T) > _SHARE) | (owner[:, None] == owner)

@@ -27,6 +27,7 @@ WIDTH = 10.6  # inches
 _ROWS_LOOKED_AT = 400
 _COLOR_MAP = "viridis"
 _FAR = 6.0  # a way this long, relative to the mechanism's size, is not shown whole
+_TIP = 0.03  # where a body turns without its points moving, how far out that is seen, relative to the drawing
 _NEAR = 0.01  # points of a body this close to each other, relative to the drawing, are one
 
 
@@ -38,7 +39,11 @@ def mechanism_figure(results: Results) -> Figure | None:
     points = _points(results, step)
     middle = points.mean(axis=1) if _travels(results, points) else np.zeros((len(points), 3))
     points = points - middle[:, None]
-    chosen = different_instants(points, INSTANTS, _most_bent(results, step))
+    bent = _most_bent(results, step)
+    chosen = different_instants(points, INSTANTS, bent)
+    if len(chosen) < INSTANTS:  # no point moves
+        tips = _tips(results, step, float(np.ptp(points.reshape(-1, 3), axis=0).max()))
+        chosen = different_instants(np.concatenate([points, tips], axis=1), INSTANTS, bent)
     rows = chosen * step
     shapes = tuple(body_shape(results, name) for name in elastic_bodies(results))
     factor = exaggeration(shapes, rows)
@@ -56,7 +61,9 @@ def mechanism_figure(results: Results) -> Figure | None:
     scale = Normalize(0.0, max((float(size.max()) for one in instants for _, size in one.drawn.values()), default=1.0))
     flat = np.concatenate([camera.flat(points).reshape(-1, 2), *(one.flat(camera) for one in instants)])
     low, high = flat.min(axis=0), flat.max(axis=0)
-    paths = distinct(_paths(results, step))
+    if (high == low).all():  # one point that stays where it is
+        low, high = low - 0.5, high + 0.5
+    paths = distinct([*_paths(results, step), *(results.body(name).origin[::step] for name in _bare(results))])
 
     width, height = np.maximum(high - low, 0.05 * float((high - low).max()))
     columns = len(rows) if width < 0.7 * height else min(2, len(rows))
@@ -195,6 +202,17 @@ def _points(results: Results, step: int) -> Array:
     """Origins and attachments of every `step`-th row, (m, k, 3)."""
     origins = [results.body(name).origin[::step] for name in results.bodies]
     return np.stack([*origins, *_paths(results, step)], axis=1)
+
+
+def _bare(results: Results) -> list[str]:
+    """Bodies without attachments whose positions were kept."""
+    return [name for name in results.bodies if not _position_paths(results, name)]
+
+
+def _tips(results: Results, step: int, size: float) -> Array:
+    """The ends of axes of bodies without attachments (m, k, 3), relative to their origins: turning is motion too."""
+    axes = [_TIP * (size or 1.0) * results.body(name).rotation[::step].swapaxes(1, 2) for name in _bare(results)]
+    return np.concatenate([np.zeros((len(results.time[::step]), 0, 3)), *axes], axis=1)
 
 
 def _paths(results: Results, step: int) -> list[Array]:
