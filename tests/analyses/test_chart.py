@@ -56,7 +56,7 @@ def test_a_bracket_is_the_gap_that_a_round_trip_leaves():
 
 
 def test_derivatives_are_of_fourth_order():
-    """Of Φ, along an increment, it is the row itself, to the rounding of a step of 1e-3."""
+    """Of Φ, along an increment, it is the row itself, to the rounding of its step."""
     _, here, around = about(four_bar())
     rng = np.random.default_rng(4)
     x = rng.normal(size=len(around.unit))

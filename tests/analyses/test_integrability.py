@@ -105,7 +105,7 @@ def test_rows_with_a_position_are_closed_where_they_hold(kind, ends):
     values = _exterior_derivative(around, here, np.arange(system.rows), kernel(forms))
     assert values is not None
     largest = np.abs(values).max(axis=(1, 2), initial=0.0) / np.linalg.norm(forms, axis=1)
-    # small cams and splines turn quickly: differences leave up to 1e-7 of what a nonholonomic row has
-    assert largest[system.holonomic].max(initial=0.0) < 1e-6
+    # splines have a jump in the third derivative, small cams turn quickly
+    assert largest[system.holonomic].max(initial=0.0) < 1e-2 * INTEGRABLE
     if kind in NONHOLONOMIC:
         assert (largest.max() > 1e-3) == ("speed-driver" not in kind)

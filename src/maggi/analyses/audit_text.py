@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
+
+from maggi.model.joint_kinds import JOINT_COORDINATES
 
 from .audit_report import Audit, BodyReport, LiaisonReport, NodeSetReport, ReductionReport
 from .freedoms import ElasticFreedoms, Freedom, Response
@@ -134,33 +137,28 @@ def _remedy(one: Remedy) -> Iterator[str]:
 
 def _motions(audit: Audit) -> list[str]:
     """A line for each motion; six of one body are that body flying free."""
-    free = {
-        name
-        for name in {one.name for one in audit.motions if one.of == "body"}
-        if sum(one.of == "body" and one.name == name for one in audit.motions) == 6
-    }
-    rows = [
-        (f"{name} flies free", "6 freedoms")
-        for name in dict.fromkeys(one.name for one in audit.motions if one.of == "body" and one.name in free)
-    ]
-    rows = [_motion(one) for one in audit.motions if one.of == "joint" or one.name not in free] + rows
-    return _table(rows)
+    of_bodies = Counter(one.name for one in audit.motions if one.of == "body")
+    free = [name for name, count in of_bodies.items() if count == 6]
+    plain = {one.name for one in audit.liaisons if len(JOINT_COORDINATES.get(one.kind, ())) == 1}
+    rows = [_motion(one, plain) for one in audit.motions if one.of == "joint" or one.name not in free]
+    return _table([*rows, *((f"{name} flies free", "6 freedoms") for name in free)])
 
 
-def _motion(one: Freedom) -> tuple[str, str]:
+def _motion(one: Freedom, plain: Collection[str]) -> tuple[str, str]:
+    """The motion and what moves with it; plain: joints whose only coordinate need not be named."""
     driven = "" if one.driver is None else f", driven by {one.driver}"
     largest = sorted(one.responses, key=lambda response: -abs(response.rate))
-    told = [_response(one, response) for response in largest[:_RESPONSES]]
+    told = [_response(one, response, plain) for response in largest[:_RESPONSES]]
     if len(largest) > _RESPONSES:
         told.append(f"{len(largest) - _RESPONSES} more")
     return f"{one.name}: {one.quantity}{driven}", f"with it {', '.join(told)}" if told else ""
 
 
-def _response(one: Freedom, response: Response) -> str:
+def _response(one: Freedom, response: Response, plain: Collection[str]) -> str:
+    names = [] if response.name == one.name else [response.name]
+    names += [] if response.name in plain else [response.quantity]
     unit = "" if response.unit == one.unit else f" {response.unit}/{one.unit}"
-    what = "" if response.quantity in ("angle", "displacement") else f" {response.quantity}"
-    name = "" if response.name == one.name else f"{response.name}"
-    return f"{name}{what} {response.rate:.3g}{unit}".strip()
+    return f"{' '.join(names)} {response.rate:.3g}{unit}"
 
 
 def _elastic(bodies: tuple[ElasticFreedoms, ...], found: Mobility) -> Iterator[str]:

@@ -29,7 +29,7 @@ IntArray = NDArray[np.int64]
 CLOSED = 1e-11  # what |Φ| may be left with, relative to the mechanism's size
 _ATTEMPTS = 30
 _DEPENDENT = 1e-9  # pivots of rows of length about one, below which they count as dependent
-DIFFERENCE = 1e-3  # step of differences, of the mechanism's size
+DIFFERENCE = 2e-4  # step of differences, of the mechanism's size
 _STENCIL = ((-2, 1.0 / 12.0), (-1, -8.0 / 12.0), (1, 8.0 / 12.0), (2, -1.0 / 12.0))
 
 
