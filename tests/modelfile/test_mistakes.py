@@ -98,7 +98,8 @@ CASES = [
     # not built yet
     ("stiffening: false", "stiffening: §true", "bodies.rod.geometric_stiffening", "geometric stiffening is not built yet, found true", "false"),
     ("step: 1e-5", "step: §auto", "simulation.step", "an automatic step is not built yet", "such as 1e-5"),
-    ("generalized-alpha", "§radau", "simulation.method", "another method is not built yet, found 'radau'", "generalized-alpha"),
+    ("generalized-alpha", "§euler", "simulation.method", "'dop853' or 'radau', found 'euler'", ""),
+    ("method: generalized-alpha, rho_inf: 0.9", "method: radau, rho_inf: §0.9", "simulation.rho_inf", "radau has no rho_inf", "leave it out"),
     (QUANTITIES, "[bodies, §stress]", "outputs.quantities.1", "unknown quantity 'stress'", "bodies, attachments"),
     # simulation and outputs
     ("step: 1e-5", "step: §0", "simulation.step", "greater than 0", ""),

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import OdeSolver
 
 from maggi.bodies.motions import prescribe
-from maggi.bodies.tables import MESH, MotionState
+from maggi.bodies.tables import MESH, RITZ, MotionState
 from maggi.model.errors import ModelError
 from maggi.model.model import Model
 from maggi.projection.chart import ChartEvaluation, make_chart, unknown_velocities
@@ -30,6 +30,7 @@ from .ode_solution import Trajectory, solve
 
 Array = NDArray[np.float64]
 
+SLIGHT = 1e-3  # part of a body's largest deflection that counts for each of its coordinates
 DRIVEN = 1e-9  # part of the largest force that is more than round-off
 FARTHEST = 1.5  # rad that a body may have turned in a chart; at 2π rotation vectors end
 STILL_GENERAL = 0.3  # part of the smallest pivot in general position that is expected of the next chart at least
@@ -132,6 +133,46 @@ class Ode:
         size = self.system.size
         fall = float(np.sqrt(np.linalg.norm(self.system.forces.gravity) * size))
         return max(float(np.abs(v).max(initial=0.0)), fall if fall > 0.0 else size)
+
+    def tolerances(self, t: float, y: Array, rtol: float) -> Array:
+        """Absolute tolerances (p + f,) that go with rtol, in this state.
+
+        rtol times the mechanism's size and speed, and for elastic coordinates their deflection and its rate, at least
+        as much a second as the mechanism's speed is of its size.
+        """
+        extents, rates = self._extents(t, y)
+        return rtol * np.concatenate(
+            [np.abs(self.chart.positions.P) @ extents, np.abs(self.chart.velocities.P) @ rates]
+        )
+
+    def _extents(self, t: float, y: Array) -> tuple[Array, Array]:
+        """For every unknown velocity what counts as a change of position, and of velocity (u,)."""
+        state, bodies = self.at(t, y).state, self.system.bodies
+        full, rates = np.zeros((2, self.system.coordinates))
+        full[self._unknown] = self.system.size / self._scale
+        rates[self._unknown] = self.speed(y) / self._scale
+        forces = np.zeros(self.system.coordinates)
+        forces[self._unknown] = state.forces
+        for b in np.flatnonzero(bodies.kind == RITZ):
+            o, end = int(bodies.offset[b]) + 6, int(bodies.offset[b + 1])
+            n, q = end - o, int(bodies.ritz_square[b])
+            k = bodies.k[q : q + n * n].reshape(n, n)
+            e, stiff = state.motion.e[o:end], np.diag(k)
+            bends = stiff > 0.0
+            # where it is, and where its loads (all forces on it but its own) would have it
+            loads = np.abs(forces[o:end] + k @ e)
+            deflection = np.abs(e)
+            deflection[bends] = np.maximum(deflection[bends], loads[bends] / stiff[bends])
+            deflection = np.maximum(deflection, SLIGHT * deflection.max(initial=0.0))
+            known = bends & (deflection > 0.0)
+            at = np.arange(o, end)[known]
+            full[at] = deflection[known]
+            rates[at] = np.maximum(np.abs(state.motion.v[at]), deflection[known] * self.speed(y) / self.system.size)
+        return full[self._unknown], rates[self._unknown]
+
+    def settle(self) -> None:
+        """Tell that the state evaluated last is one on the motion, and not a trial of an integrator."""
+        self._evaluation.settle()
 
     def solve(
         self,

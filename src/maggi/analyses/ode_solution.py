@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, OdeSolver, Radau
 
 from maggi.bodies.tables import MotionState
+from maggi.integrators.radau_iia import RadauIIA
 from maggi.model.errors import SimulationError
 from maggi.system.system import System
 
@@ -21,13 +22,14 @@ Array = NDArray[np.float64]
 
 METHODS: dict[str, type[OdeSolver]] = {
     "DOP853": DOP853,
+    "RadauIIA": RadauIIA,
     "RK45": RK45,
     "RK23": RK23,
     "Radau": Radau,
     "BDF": BDF,
     "LSODA": LSODA,
 }
-"""Integrators by name: those of SciPy's `solve_ivp`."""
+"""Integrators by name: those of SciPy's `solve_ivp`, and the program's own Radau IIA."""
 RESTARTS = 8  # from one state with other steps, where a step ended where the chart does not reach
 SHORTENED = 0.37
 UNREACHED = "the positions cannot be found; it may be a singular position where motions branch"
@@ -88,7 +90,7 @@ def solve(
     """The motion from t_span[0] to t_span[1] (s), through as many charts as it takes.
 
     method : a name of `METHODS`, or an integrator derived from SciPy's `OdeSolver`. atol : scalar or (p + f,); default
-        rtol times the mechanism's size, or speed (see `tolerances`). t_eval : times at which states are wanted, in
+        see `Ode.tolerances`. t_eval : times at which states are wanted, in
         order; default: the ends of all steps. y0 : state at the start in the present chart; default `ode.y0`.
 
     Raises SimulationError where the integrator cannot go on.
@@ -124,8 +126,19 @@ def solve(
     return Trajectory(ode.system, np.array(reached), origin, rotation, e, v, vd, coordinates, *cost)
 
 
+class Equations(Protocol):
+    """What `pieces` asks of a differential equation on charts; see `Ode`."""
+
+    def f(self, t: float, y: Array) -> Array: ...
+    def jacobian(self, t: float, y: Array) -> Array: ...
+    def tolerances(self, t: float, y: Array, rtol: float) -> Array: ...
+    def event(self, t: float, y: Array) -> float: ...
+    def settle(self) -> None: ...
+    def reparametrise(self, t: float, y: Array) -> Array: ...
+
+
 def pieces(
-    ode: Ode,
+    ode: Equations,
     t_span: tuple[float, float],
     y0: Array,
     method: str | type[OdeSolver],
@@ -146,7 +159,7 @@ def pieces(
             y,
             t_span[1],
             rtol=rtol,
-            atol=tolerances(ode, y, rtol) if atol is None else np.broadcast_to(np.asarray(atol), len(y)),
+            atol=ode.tolerances(t, y, rtol) if atol is None else np.broadcast_to(np.asarray(atol), len(y)),
             max_step=max_step,
             first_step=None if step is None else min(step, t_span[1] - t),
             **options,
@@ -165,13 +178,8 @@ def pieces(
             yield Piece(solver.t_old, solver.t, solver.y, solver.dense_output())
             t, y = solver.t, solver.y
             used_up = ode.event(t, y) < 0.0
-            ode.evaluation.settle()
+            ode.settle()
             if used_up:
                 step = getattr(solver, "h_abs", last_step)
                 y = ode.reparametrise(t, y)
                 break
-
-
-def tolerances(ode: Ode, y: Array, rtol: float) -> Array:
-    """Absolute tolerances (p + f,) that go with rtol: for s the mechanism's size, for ν its present speed, times rtol."""
-    return rtol * ode.typical(y)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
 from maggi.bodies.kernels import small_body_energy
 from maggi.bodies.tables import MESH, RITZ
 from maggi.liaisons.tables import COORDINATE_KIND, CURVE_FACE, CURVE_POINT, END_ATTACHMENT, TRANSLATION
-from maggi.projection.redundancy import least_norm, left_null_space
 from maggi.stepping.mesh_step import MeshStep
-from maggi.stepping.stepper import Stepper
+from maggi.stepping.tables import StepState
 from maggi.system.system import LiaisonEntry, System
 
 from .build_outline import build_outline
@@ -72,12 +74,35 @@ def visible_liaisons(system: System) -> list[LiaisonEntry]:
     return [entry for entry in system.liaison_entries if entry.visible]
 
 
-class Snapshots:
-    """Makes rows of a stepper's present state."""
+class Present(Protocol):
+    """A run as it stands: what rows are made of.
 
-    def __init__(self, stepper: Stepper) -> None:
-        system = stepper.system
-        self._stepper = stepper
+    state: `now`, `attachments`, `rows` and of `vectors` the energy stored in springs (`power`), work and dissipation
+    (`work`). meshes: of bodies with nodal freedoms. last_iterations: what the last step, or row, has cost.
+    """
+
+    @property
+    def system(self) -> System: ...
+    @property
+    def state(self) -> StepState: ...
+    @property
+    def meshes(self) -> Sequence[MeshStep]: ...
+    @property
+    def last_iterations(self) -> int: ...
+
+    def residuals(self) -> Array:
+        """Scaled liaison residuals at position, velocity and acceleration level, (3,)."""
+
+    def multipliers(self) -> tuple[Array, NDArray[np.bool_]]:
+        """λ (r,) of least norm (T11), and which are unique (r,)."""
+
+
+class Snapshots:
+    """Makes rows of a run's present state."""
+
+    def __init__(self, run: Present) -> None:
+        system = run.system
+        self._run = run
         self._bodies = [entry for entry in system.body_entries if entry.visible]
         order = [[a.index for a in system.attachment_entries if a.body == entry.name] for entry in self._bodies]
         self._attachments = np.array([index for part in order for index in part], dtype=np.int64)
@@ -85,12 +110,12 @@ class Snapshots:
         self._liaisons = visible_liaisons(system)
         self._seconds = np.array([entry.reference for entry in self._liaisons], dtype=np.int64)
         self.shared: dict[str, None] = {}  # joints whose forces were not unique at some row, in order
-        self._meshes: dict[int, MeshStep] = {mesh.index: mesh for mesh in stepper.meshes}
+        self._meshes: dict[int, MeshStep] = {mesh.index: mesh for mesh in run.meshes}
 
     def row(self, t: float) -> Row:
         """The present state at time t."""
-        stepper, system = self._stepper, self._stepper.system
-        state = stepper.state
+        run, system = self._run, self._run.system
+        state = run.state
         motion, at = state.now, state.attachments
         force, torque, unique = self._joint_forces()
         self.shared |= {entry.name: None for entry, sure in zip(self._liaisons, unique, strict=True) if not sure}
@@ -122,26 +147,26 @@ class Snapshots:
             unique,
             tuple(state.rows.coordinate[entry.coordinates, 0] for entry in self._liaisons),
             self.energies(),
-            stepper.residuals(),
-            stepper.last_iterations,
+            run.residuals(),
+            run.last_iterations,
         )
 
     def energies(self) -> Array:
         """Kinetic, strain (springs included), gravity energy, energy dissipated, work (5,), J."""
-        stepper = self._stepper
-        state, gravity = stepper.state, stepper.small.forces.gravity
+        run = self._run
+        state, gravity = run.state, run.system.forces.gravity
         small = np.zeros(4)
-        small_body_energy(stepper.small.bodies, state.now, gravity, small)
+        small_body_energy(run.system.bodies, state.now, gravity, small)
         result = np.array(
             [small[0], small[1] + state.vectors.power[0], small[2], state.vectors.work[1], state.vectors.work[0]]
         )
-        for mesh in stepper.meshes:
+        for mesh in run.meshes:
             result[:3] += mesh.energies(state.now, gravity)
         return result
 
     def largest_rotation(self) -> tuple[float, str]:
         """The largest elastic rotation |θ| (rad) of a meshed body's attachment, and which attachment it is."""
-        system, e = self._stepper.system, self._stepper.state.now.e
+        system, e = self._run.system, self._run.state.now.e
         largest, name = 0.0, ""
         for index in (*self._meshes, *system.reduced):
             body = system.mesh(index)
@@ -160,8 +185,8 @@ class Snapshots:
 
         They are minus the rows' shares in Aᵀλ, of least norm where rows repeat each other.
         """
-        state, table = self._stepper.state, self._stepper.system.liaisons
-        multipliers, sure = self._multipliers()
+        state, table = self._run.state, self._run.system.liaisons
+        multipliers, sure = self._run.multipliers()
         unique = np.array([sure[entry.rows].all() for entry in self._liaisons], dtype=np.int64)
         force, torque = np.zeros((len(self._liaisons), 3)), np.zeros((len(self._liaisons), 3))
         for j, entry in enumerate(self._liaisons):
@@ -172,16 +197,6 @@ class Snapshots:
                 force[j] -= multipliers[row] * wrench[:3]
                 torque[j] -= multipliers[row] * wrench[3:]
         return force, torque, unique
-
-    def _multipliers(self) -> tuple[Array, NDArray[np.bool_]]:
-        """λ (r,) of least norm, and which are unique."""
-        stepper, system = self._stepper, self._stepper.system
-        multipliers = stepper.state.vectors.multipliers
-        if (stepper.work.pivot > 0.0).all():
-            return multipliers, np.ones(system.rows, dtype=np.bool_)
-        work = stepper.work
-        Z = left_null_space(system.liaisons, system.bodies, stepper.state.rows.A, work.metric, work.active, system.size)
-        return least_norm(system.liaisons, Z, multipliers, system.size)
 
 
 def _elastic(system: System, body: int) -> int:

@@ -6,6 +6,7 @@ import hashlib
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +21,10 @@ from maggi.system.build import RecordedMotion, build_system, has_recorded_motion
 from maggi.system.system import System
 
 from .initial import initial_motion, set_velocities
+from .ode_run import OdeRun
 from .quasi_static import quasi_static_start
 from .recorder import Progress, Recorder
-from .snapshot import Snapshots, layout
+from .snapshot import Present, Snapshots, layout
 
 Array = NDArray[np.float64]
 
@@ -88,6 +90,18 @@ def prepare(
 ) -> tuple[Stepper, Simulation, list[str], dict[str, float]]:
     """A stepper at t = 0 with consistent positions, velocities, accelerations and forces, and what was noted."""
     progress = progress or Silent()
+    simulation = checked(model)
+    notes: list[str] = []
+    timings: dict[str, float] = {}
+    system = _built(model, progress, timings)
+    clock = time.perf_counter()
+    stepper = started(system, simulation, notes, progress.stage, exact=exact)
+    timings["start"] = time.perf_counter() - clock
+    return stepper, simulation, notes, timings
+
+
+def checked(model: Model) -> Simulation:
+    """The model's simulation; ModelError where there is none, or no step in it."""
     simulation = model.simulation
     if simulation is None:
         raise ModelError(
@@ -99,8 +113,11 @@ def prepare(
             path="simulation.step",
             remedy="make the step smaller or the duration longer",
         )
-    notes: list[str] = []
-    timings: dict[str, float] = {}
+    return simulation
+
+
+def _built(model: Model, progress: Progress, timings: dict[str, float], *, dense: bool = False) -> System:
+    """The system, after a run with rigid bodies where frames follow one; dense: without nodal freedoms."""
     clock = time.perf_counter()
     meshes: dict[str, MeshBody] = {}
     recorded: dict[str, RecordedMotion] = {}
@@ -109,12 +126,9 @@ def prepare(
         recorded, meshes = rigid_run(model, following, progress)
         timings["rigid run"] = time.perf_counter() - clock
         clock = time.perf_counter()
-    system = build_system(model, recorded=recorded, meshes=meshes, announce=progress.stage)
+    system = build_system(model, recorded=recorded, dense=dense, meshes=meshes, announce=progress.stage)
     timings["assembly"] = time.perf_counter() - clock
-    clock = time.perf_counter()
-    stepper = started(system, simulation, notes, progress.stage, exact=exact)
-    timings["start"] = time.perf_counter() - clock
-    return stepper, simulation, notes, timings
+    return system
 
 
 def started(
@@ -209,6 +223,58 @@ class _Advance:
         stepper.set_step(self._h)
 
 
+class March(Present, Protocol):
+    """A way through a run: `advance` takes it on from nominal step to nominal step."""
+
+    @property
+    def counts(self) -> Counts: ...
+
+    def advance(self, done: int, until: int) -> int:
+        """Go on from nominal step `done` towards `until`; how many steps that was. Raises SimulationError."""
+
+    def note(self) -> str:
+        """How it goes, for whoever watches."""
+
+
+class _Stepping:
+    """A run of generalised-α steps, in chunks that grow until a call's own cost vanishes."""
+
+    def __init__(self, stepper: Stepper, simulation: Simulation) -> None:
+        self.system, self.state, self.meshes = stepper.system, stepper.state, stepper.meshes
+        self.counts = stepper.counts
+        self._stepper = stepper
+        self._advance = _Advance(stepper, simulation)
+        self._chunk = 1
+
+    @property
+    def last_iterations(self) -> int:
+        """Back-substitutions or corrections of the last step."""
+        return self._stepper.last_iterations
+
+    def residuals(self) -> Array:
+        """See `Stepper.residuals`."""
+        return self._stepper.residuals()
+
+    def multipliers(self) -> tuple[Array, NDArray[np.bool_]]:
+        """See `Stepper.multipliers`."""
+        return self._stepper.multipliers()
+
+    def advance(self, done: int, until: int) -> int:
+        """See `March.advance`."""
+        count = min(self._chunk, until - done)
+        began = time.perf_counter()
+        self._advance.steps(done, count)
+        if count == self._chunk:
+            took = max(time.perf_counter() - began, 1e-6)
+            self._chunk = max(1, min(2 * self._chunk, int(self._chunk * CHUNK_SECONDS / took)))
+        return count
+
+    def note(self) -> str:
+        """See `March.note`."""
+        per_step = self.counts.back_substitutions / max(1, self.counts.steps)
+        return f"{per_step:.2f} solves a step" if self.meshes else ""
+
+
 class _Run:
     """One run from start to end."""
 
@@ -222,18 +288,18 @@ class _Run:
         self._rotation = (0.0, "")
 
     def run(self, began: float) -> RunSummary:
-        stepper, simulation, notes, timings = prepare(self._model, self._progress, exact=self._exact)
-        self._snapshots = Snapshots(stepper)
+        simulation = checked(self._model)
+        notes: list[str] = []
+        timings: dict[str, float] = {}
+        march = self._march(simulation, notes, timings)
+        self._snapshots = Snapshots(march)
         steps = round(simulation.duration / simulation.step)
         every = self._model.outputs.every
         rows = 1 + -(-steps // every)
-        self._recorder.begin(layout(stepper.system, rows, self._attributes(simulation)))
-        clock = time.perf_counter()
+        self._recorder.begin(layout(march.system, rows, self._attributes(simulation)))
         self._write(0.0)
-        advance = _Advance(stepper, simulation)
-        timings["factorisation"] = time.perf_counter() - clock
         clock = time.perf_counter()
-        writing = self._loop(stepper, advance, simulation, steps, every)
+        writing = self._loop(march, simulation, steps, every)
         timings["steps"] = time.perf_counter() - clock - writing
         timings["rows"] = writing
         self._recorder.end("complete")
@@ -248,30 +314,37 @@ class _Run:
                 "the least that do the same (`maggi check` names the rows; elastic bodies would share them)"
             )
         balance, loss = _balance(np.array(self._energies))
-        return _summary(stepper.counts, self._residuals, balance, loss, notes, time.perf_counter() - began, timings)
+        return _summary(march.counts, self._residuals, balance, loss, notes, time.perf_counter() - began, timings)
 
-    def _loop(self, stepper: Stepper, advance: _Advance, simulation: Simulation, steps: int, every: int) -> float:
-        done = 0
-        chunk, writing = 1, 0.0
+    def _march(self, simulation: Simulation, notes: list[str], timings: dict[str, float]) -> March:
+        """What the model's method is, at t = 0."""
+        if simulation.method == "generalized-alpha":
+            stepper, _, said, took = prepare(self._model, self._progress, exact=self._exact)
+            notes += said
+            timings |= took
+            clock = time.perf_counter()
+            stepping = _Stepping(stepper, simulation)
+            timings["factorisation"] = time.perf_counter() - clock
+            return stepping
+        system = _built(self._model, self._progress, timings, dense=True)
+        clock = time.perf_counter()
+        run = OdeRun(system, simulation, notes, self._progress.stage)
+        timings["start"] = time.perf_counter() - clock
+        return run
+
+    def _loop(self, march: March, simulation: Simulation, steps: int, every: int) -> float:
+        done, writing = 0, 0.0
         shown = time.perf_counter()
         while done < steps:
             until = min(steps, (done // every + 1) * every)
-            count = min(chunk, until - done)
-            began = time.perf_counter()
-            advance.steps(done, count)
+            done += march.advance(done, until)
             now = time.perf_counter()
-            if count == chunk:
-                # grow until a chunk takes long enough to make the call's own cost vanish
-                chunk = max(1, min(2 * chunk, int(chunk * CHUNK_SECONDS / max(now - began, 1e-6))))
-            done += count
             if done == until:
                 self._write(done * simulation.step)
                 writing += time.perf_counter() - now
             if now - shown > 0.1 or done == steps:
                 shown = now
-                per_step = stepper.counts.back_substitutions / max(1, stepper.counts.steps)
-                note = f"{per_step:.2f} solves a step" if stepper.meshes else ""
-                self._progress.advance(done, steps, done * simulation.step, note)
+                self._progress.advance(done, steps, done * simulation.step, march.note())
         return writing
 
     def _write(self, t: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+Method = Literal["generalized-alpha", "dop853", "radau"]
 QUANTITIES = ("bodies", "attachments", "displacement", "joints", "energy", "residuals")
 
 
@@ -18,9 +19,12 @@ class Outputs:
 
 @dataclass(frozen=True)
 class Simulation:
-    """A transient run: duration and step (s), generalised-α with spectral radius `rho_inf` at infinity.
+    """A transient run: duration and step (s).
 
-    tolerance: relative error allowed per step by the iteration. start: elastic bodies in balance with the
+    method: ``generalized-alpha`` of fixed steps, with spectral radius `rho_inf` at infinity and `tolerance` the relative
+    error left by a step's iteration; or an adaptive integrator of the equations in the true freedoms, ``dop853`` (explicit,
+    order 8) or ``radau`` (implicit, order 5), with `tolerance` the relative error of one of its own steps and `step` the
+    grid of instants that rows are written at. start: elastic bodies in balance with the
     inertia of the rigid motion (``quasi-static``) or free of strain (``undeformed``). assemble: joints that do not meet in
     the given poses are closed from there instead of being refused.
     """
@@ -30,5 +34,5 @@ class Simulation:
     rho_inf: float = 0.9
     tolerance: float = 1e-8
     start: Literal["quasi-static", "undeformed"] = "quasi-static"
-    method: Literal["generalized-alpha"] = "generalized-alpha"
+    method: Method = "generalized-alpha"
     assemble: bool = False

@@ -15,6 +15,7 @@ from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MESH, RITZ
 from maggi.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha, instantaneous
 from maggi.model.errors import SimulationError
+from maggi.projection.redundancy import least_norm, left_null_space
 from maggi.system.system import System
 
 from . import ahead, kernels
@@ -252,6 +253,14 @@ class Stepper:
         out = np.zeros(3)
         kernels.scaled_residuals(self.system.liaisons, self.state.rows, self.state.vectors.scales, out)
         return out
+
+    def multipliers(self) -> tuple[Array, NDArray[np.bool_]]:
+        """λ (r,) of the present state, of least norm where rows repeat each other, and which are unique (T11)."""
+        system, work, multipliers = self.system, self.work, self.state.vectors.multipliers
+        if (work.pivot > 0.0).all():
+            return multipliers, np.ones(system.rows, dtype=np.bool_)
+        Z = left_null_space(system.liaisons, system.bodies, self.state.rows.A, work.metric, work.active, system.size)
+        return least_norm(system.liaisons, Z, multipliers, system.size)
 
     def failure(self, t: float) -> SimulationError:
         """Why the iteration of the step to time t did not converge, as a message."""

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, model_v
 
 from ...model import units
 from ...model.simulation import QUANTITIES, Outputs, Simulation
-from .fields import Number, PositiveTime, Section, count_up_to, not_built_unless
+from .fields import Number, PositiveTime, Section, count_up_to
 from .mistakes import mistake, shown, suggestion
 
 MAX_STEPS = 1_000_000_000
@@ -25,15 +25,17 @@ class SimulationSection(Section):
 
     duration: PositiveTime = Field(description="length of the run (s)")
     step: Annotated[float, Field(gt=0), Number(units.TIME), BeforeValidator(_step)] = Field(description="step (s)")
-    method: Annotated[
-        Literal["generalized-alpha"],
-        not_built_unless("generalized-alpha", "another method", "write method: generalized-alpha"),
-    ] = Field("generalized-alpha", description="the integrator")
+    method: Literal["generalized-alpha", "dop853", "radau"] = Field(
+        "generalized-alpha",
+        description="generalized-alpha in fixed steps, or an adaptive integrator of the true freedoms with rows at every "
+        "step: dop853, explicit of order 8, or radau, implicit of order 5",
+    )
     rho_inf: Annotated[float, Field(ge=0, le=1), Number(units.NUMBER)] = Field(
         0.9, description="spectral radius at infinite frequency: 1 keeps high modes, 0 removes them in one step"
     )
     tolerance: Annotated[float, Field(gt=0, lt=1), Number(units.NUMBER)] = Field(
-        1e-8, description="relative error left by the iteration of a step"
+        1e-8,
+        description="relative error: left by the iteration of a step, or made by an adaptive integrator's own steps",
     )
     start: Literal["quasi-static", "undeformed"] = Field(
         "quasi-static",
@@ -54,6 +56,8 @@ class SimulationSection(Section):
             )
         if steps > MAX_STEPS:
             raise mistake(f"{steps:.3g} steps are more than {MAX_STEPS:g}", "use a longer step", ("step",))
+        if self.method != "generalized-alpha" and "rho_inf" in self.model_fields_set:
+            raise mistake(f"{self.method} has no rho_inf", "leave it out, or use generalized-alpha", ("rho_inf",))
         return self
 
     def build(self) -> Simulation:
