@@ -93,7 +93,7 @@ def test_tabulated_constants():
         assert summary.restarts == 0
         assert (summary.residuals < 1e-9).all()
         # the printed velocities violate the constraints by 1.2e-8 m/s (CASES C1)
-        assert ["initial velocities were changed" in text for text in summary.warnings] == [True]
+        assert any("initial velocities were changed" in text for text in summary.warnings)
     positions = [final_positions(results) for results, _ in runs]
     error = np.abs(positions[-1] - WITH_TABULATED_CONSTANTS) / (1.0 + np.abs(WITH_TABULATED_CONSTANTS))
     assert error.max() <= 1e-7  # mescd ≥ 7
