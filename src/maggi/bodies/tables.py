@@ -8,10 +8,12 @@ displacements (d, θ) of each attachment of a mesh body. Body 0 is ground.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from maggi.linalg.table import Table
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -19,7 +21,8 @@ IntArray = NDArray[np.int64]
 FIXED, RIGID, RITZ, MESH = 0, 1, 2, 3
 
 
-class BodyTable(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class BodyTable(Table):
     """Constants of all bodies. b bodies, n small coordinates, a attachments.
 
     kind (b,): FIXED, RIGID, RITZ or MESH. floating (b,): 1 where the frame's twist is unknown. offset (b + 1,).
@@ -52,7 +55,8 @@ class BodyTable(NamedTuple):
     psi: Array
 
 
-class MotionState(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class MotionState(Table):
     """Positions, velocities and accelerations of all bodies at one instant.
 
     origin (b, 3) global; rotation (b, 3, 3) body to global; e (n,) elastic coordinates (frame slots unused);
@@ -66,7 +70,8 @@ class MotionState(NamedTuple):
     vd: Array
 
 
-class AttachmentState(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class AttachmentState(Table):
     """Motion of all attachments, global components.
 
     position (a, 3), rotation (a, 3, 3), velocity, angular_velocity, acceleration, angular_acceleration (a, 3);

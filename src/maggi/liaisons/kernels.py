@@ -72,7 +72,7 @@ def point_row(attachments: AttachmentState, p: int, q: int, start: int, i: int, 
     cross(rho, N, second[3:])
 
 
-@njit(inline="always")
+@njit(cache=True)
 def offset_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> None:
     """Φ = a·(p₂ − p₁) with the axis a of the first: `point_row` with N = a and no arm, written out for speed."""
     j = table.row[i, ROW_JOINT]
@@ -97,7 +97,7 @@ def offset_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: L
         out.wrench[e + 1, 3 + l] = 0.0
 
 
-@njit(inline="always")
+@njit(cache=True)
 def turn_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> None:
     """Products of axes: Φ = a_k·b_l, or a_k·b_l − a_l·b_k; a turns with the first end, b with the second."""
     j = table.row[i, ROW_JOINT]
@@ -132,7 +132,7 @@ def turn_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: Lia
     out.acceleration[i] = acceleration
 
 
-@njit(inline="always")
+@njit(cache=True)
 def on_bodies(
     table: LiaisonTable, bodies: BodyTable, state: MotionState, attachments: AttachmentState, out: LiaisonState
 ) -> None:

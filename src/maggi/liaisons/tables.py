@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from maggi.linalg.table import Table
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -44,7 +46,8 @@ CALLBACK = 14  # start in `integers`, number of the row among those of the funct
 CURVE_FUNCTION, CURVE_DATA, CURVE_PIECES, CURVE_CLOSED = 0, 1, 2, 3
 
 
-class LiaisonTable(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class LiaisonTable(Table):
     """Constants of all joints and rows. j joints, c coordinates, r rows, e ends of rows.
 
     joint (j, 2): attachments of first and second; frame (j, 2, 3, 3): the joint's axes as columns, in the
@@ -79,7 +82,8 @@ class LiaisonTable(NamedTuple):
     data: Array
 
 
-class LiaisonState(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class LiaisonState(Table):
     """Values of all rows at one state.
 
     A (flat): coefficients on the bodies' small coordinates (Eq. T7). position, velocity, acceleration (r,):

@@ -141,7 +141,7 @@ def move(bodies: BodyTable, now: MotionState, increment: Array, out: MotionState
             )
 
 
-@njit(inline="always")
+@njit(cache=True)
 def predict(
     bodies: BodyTable,
     motions: MotionTable,
@@ -175,7 +175,7 @@ def predict(
     prescribe(motions, bodies, t, next_motion)
 
 
-@njit(inline="always")
+@njit(cache=True)
 def evaluate_state(
     bodies: BodyTable,
     liaisons: LiaisonTable,
@@ -248,7 +248,7 @@ def active_residuals(liaisons: LiaisonTable, rows: LiaisonState, scales: Array, 
     return worst, dropped
 
 
-@njit(inline="always")
+@njit(cache=True)
 def correction_size(
     bodies: BodyTable,
     c: GeneralizedAlpha,
@@ -290,7 +290,7 @@ def correction_size(
     return largest / tolerance
 
 
-@njit(inline="always")
+@njit(cache=True)
 def largest_move(bodies: BodyTable, c: GeneralizedAlpha, delta: Array) -> float:
     """By how much a correction changes positions at most: βh²|δ| (m, rad)."""
     largest = 0.0
@@ -301,7 +301,7 @@ def largest_move(bodies: BodyTable, c: GeneralizedAlpha, delta: Array) -> float:
     return c.beta * c.h * c.h * largest
 
 
-@njit(inline="always")
+@njit(cache=True)
 def iterate(
     bodies: BodyTable,
     liaisons: LiaisonTable,
@@ -529,7 +529,7 @@ def iterate(
     return NOT_CONVERGED, MAX_ITERATIONS
 
 
-@njit(inline="always")
+@njit(cache=True)
 def constraint_power(
     bodies: BodyTable,
     gravity: Array,
@@ -562,7 +562,7 @@ def constraint_power(
     return value
 
 
-@njit(inline="always")
+@njit(cache=True)
 def accept(
     bodies: BodyTable,
     liaisons: LiaisonTable,
@@ -617,7 +617,7 @@ def accept(
     update_scales(bodies.kind, bodies.offset, now, state.elastic, state.scales)
 
 
-@njit(inline="always")
+@njit(cache=True)
 def update_scales(kind: IntArray, offset: IntArray, now: MotionState, elastic: Array, scales: Array) -> None:
     """Speed and acceleration of the mechanism: the largest so far, fading over some hundred steps."""
     now_e = now.e

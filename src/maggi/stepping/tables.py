@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from maggi.bodies.motions import MotionTable
 from maggi.bodies.tables import Array, AttachmentState, BodyTable, IntArray, MotionState
 from maggi.forces.tables import ForceTable
 from maggi.liaisons.tables import LiaisonState, LiaisonTable
+from maggi.linalg.table import Table
 
 
-class SmallSystem(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class SmallSystem(Table):
     """The constants of the small system: all rigid and Ritz bodies, all attachments, all liaisons and forces."""
 
     bodies: BodyTable
@@ -19,7 +21,8 @@ class SmallSystem(NamedTuple):
     forces: ForceTable
 
 
-class StepVectors(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class StepVectors(Table):
     """What a step carries beside motions and rows. n small coordinates, r rows.
 
     a, a_next, a_previous (n,): algorithmic accelerations. increment (n,): Δq of the step. multipliers,
@@ -46,7 +49,8 @@ class StepVectors(NamedTuple):
     contraction: Array
 
 
-class StepState(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class StepState(Table):
     """The state of a run, advanced in place: motions at the beginning and the end of the step, the end's
     attachments and liaison rows, and the rest.
 
@@ -61,7 +65,8 @@ class StepState(NamedTuple):
     vectors: StepVectors
 
 
-class StepWork(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class StepWork(Table):
     """Scratch arrays of the step. W (flat blocks): compliances Ŝ⁻¹ of bodies on their small coordinates. elastic (flat,
     as `BodyTable.m`): those of Ritz bodies' coordinates alone, for the present step size.
 
