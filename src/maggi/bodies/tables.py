@@ -30,6 +30,8 @@ class BodyTable(Table):
     block (b + 1,): where a body's square matrix over its small coordinates starts in a flat array.
     ritz (b,): where a Ritz body's constants start, in units of one coordinate (m at ``ritz_square[b]``).
     attachment_body (a,), attachment_point (a, 3) body axes; psi_offset (a,): start of Ψ (6, n_e) in `psi`.
+    attachment_axes (a, 3, 3): an attachment's axes as columns in the body's where attachment_turned (a,) is 1: those of
+    rigid bodies whose frame has been put into a joint (`projection.tree_build`).
     """
 
     kind: IntArray
@@ -51,6 +53,8 @@ class BodyTable(Table):
     s2: Array
     attachment_body: IntArray
     attachment_point: Array
+    attachment_axes: Array
+    attachment_turned: IntArray
     psi_offset: IntArray
     psi: Array
 
@@ -76,6 +80,7 @@ class AttachmentState(Table):
 
     position (a, 3), rotation (a, 3, 3), velocity, angular_velocity, acceleration, angular_acceleration (a, 3);
     arm (a, 3): from the frame's origin to the deformed attachment, body axes; tangent (a, 3, 3): T_l(θ).
+    scratch (3, 18): room for kernels.
     """
 
     position: Array
@@ -86,3 +91,4 @@ class AttachmentState(Table):
     angular_acceleration: Array
     arm: Array
     tangent: Array
+    scratch: Array

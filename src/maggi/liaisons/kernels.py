@@ -33,7 +33,7 @@ from .tables import (
 from .vectors import cross, difference, dot, row, scalar_product, total, turned_axis, vector_product
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def point_row(attachments: AttachmentState, p: int, q: int, start: int, i: int, work: Array, out: LiaisonState) -> None:
     """N · [v₂ + ω₂ × ρ − v₁ − ω₁ × (P − p₁)], its rate and its coefficients; work: N, Ṅ, ρ, ρ̇ (`directions`)."""
     N, Nd, rho, rhod = work[0], work[1], work[2], work[3]
@@ -72,7 +72,7 @@ def point_row(attachments: AttachmentState, p: int, q: int, start: int, i: int, 
     cross(rho, N, second[3:])
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def offset_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> None:
     """Φ = a·(p₂ − p₁) with the axis a of the first: `point_row` with N = a and no arm, written out for speed."""
     j = table.row[i, ROW_JOINT]
@@ -97,7 +97,7 @@ def offset_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: L
         out.wrench[e + 1, 3 + l] = 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def turn_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> None:
     """Products of axes: Φ = a_k·b_l, or a_k·b_l − a_l·b_k; a turns with the first end, b with the second."""
     j = table.row[i, ROW_JOINT]
@@ -132,7 +132,7 @@ def turn_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: Lia
     out.acceleration[i] = acceleration
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def on_bodies(
     table: LiaisonTable, bodies: BodyTable, state: MotionState, attachments: AttachmentState, out: LiaisonState
 ) -> None:
@@ -161,7 +161,7 @@ def on_bodies(
             generalised_force(bodies, state, attachments, end, f[0], f[1], f[2], m[0], m[1], m[2], part)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def evaluate_rows(
     table: LiaisonTable,
     bodies: BodyTable,
@@ -172,10 +172,9 @@ def evaluate_rows(
 ) -> None:
     """Φ, A v + b, A v̇ + γ and the coefficients A of every row."""
     joint_coordinates(table, attachments, out)
-    work = np.empty((4, 3))
-    jet = np.empty(3)
-    out.rhs[:] = 0.0
+    work, jet = out.scratch[:4], out.scratch[4]
     for i in range(table.row.shape[0]):
+        out.rhs[i] = 0.0
         kind = table.row[i, ROW_KIND]
         if kind == OFFSET:
             offset_row(table, attachments, i, out)

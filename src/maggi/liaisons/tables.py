@@ -42,6 +42,8 @@ SURFACE = 12  # function F, or minus one minus the start of a spline in `data`: 
 PFAFFIAN = 13  # start in `integers`: sum of functions of time, positions and rotations times velocities
 CALLBACK = 14  # start in `integers`, number of the row among those of the function
 
+JETS = 12  # where in the scratch room the jets of functions' variables start
+
 # Columns of LiaisonTable.curve.
 CURVE_FUNCTION, CURVE_DATA, CURVE_PIECES, CURVE_CLOSED = 0, 1, 2, 3
 
@@ -61,6 +63,7 @@ class LiaisonTable(Table):
     skyline_first (r,): first row coupled with row i (an envelope); skyline_start (r + 1,).
     function_start (f + 1,), function_codes, function_values: functions of time and other variables, postfix.
     curve (k, 4): first of three functions (or −1), start in `data`, number of spline pieces, closed.
+    measured: coordinates that are evaluated with the rows, all or those that rows need.
     integers, data: what rows and curves need beyond that; see `liaisons` where they are read.
     """
 
@@ -78,6 +81,7 @@ class LiaisonTable(Table):
     function_codes: IntArray
     function_values: Array
     curve: IntArray
+    measured: IntArray
     integers: IntArray
     data: Array
 
@@ -91,6 +95,7 @@ class LiaisonState(Table):
     velocity and angular velocity of each of its ends, global components.
     coordinate (c, 3): joint coordinates, unwrapped, with rate and acceleration. coordinate_wrench (c, 2, 6): the rate's
     coefficients on the twists of first and second. previous (c,): the value that unwrapping starts from.
+    scratch (16 or more, 3): room for kernels, of which rows of functions use those from JETS on.
     """
 
     A: Array
@@ -102,3 +107,4 @@ class LiaisonState(Table):
     coordinate: Array
     coordinate_wrench: Array
     previous: Array
+    scratch: Array

@@ -17,6 +17,7 @@ from maggi.linalg.factor import Factor, factorise
 from maggi.linalg.vectors import cross
 
 from .nodal_kernels import correct_nodal, predict_nodal
+from .tables import StepVectors
 
 Array = NDArray[np.float64]
 
@@ -72,11 +73,13 @@ class MeshStep:
     step; the same with `_next` at its end. Body axes, relative to the frame.
     """
 
-    def __init__(self, body: MeshBody, index: int, table: BodyTable) -> None:
+    def __init__(self, body: MeshBody, index: int, table: BodyTable, place: int) -> None:
         self.body = body
         self.index = index
-        self._start = int(table.offset[index])
-        self._end = int(table.offset[index + 1])
+        self._offset = int(table.offset[index])
+        width = int(table.offset[index + 1]) - self._offset
+        self._start, self._end = place, place + width  # in vectors of the step
+        self._elastic_part = slice(self._offset + 6, self._offset + width)  # in motions
         self._block = slice(int(table.block[index]), int(table.block[index + 1]))
         size = body.size
         self.u, self.ud, self.udd, self.a, self.a_previous = (np.zeros(size) for _ in range(5))
@@ -206,7 +209,7 @@ class MeshStep:
         base[self._start + 6 : self._end] = self._B_transposed @ self.free
 
     def _inertia_force(self, motion: MotionState, gravity: Array) -> None:
-        o = self._start
+        o = self._offset
         v, w = motion.v[o : o + 3], motion.v[o + 3 : o + 6]
         a_O = motion.vd[o : o + 3] + cross(w, v) - motion.rotation[self.index].T @ gravity
         self.body.inertia.residual(
@@ -254,13 +257,13 @@ class MeshStep:
             self.u = self._project(self.u)
             self.ud = self._project(self.ud)
 
-    def write_small(self, motion: MotionState, a: Array) -> None:
-        """The attachments' (d, θ), rates and accelerations as small coordinates of the present."""
+    def write_small(self, motion: MotionState, vectors: StepVectors) -> None:
+        """The attachments' (d, θ), rates and accelerations as elastic coordinates of the present."""
         part = slice(self._start + 6, self._end)
-        motion.e[part] = self._B_transposed @ self.u
-        motion.v[part] = self._B_transposed @ self.ud
-        motion.vd[part] = self._B_transposed @ self.udd
-        a[part] = self._B_transposed @ self.a
+        motion.e[self._elastic_part] = self._B_transposed @ self.u
+        vectors.nu[part] = self._B_transposed @ self.ud
+        vectors.nud[part] = self._B_transposed @ self.udd
+        vectors.a[part] = self._B_transposed @ self.a
 
     def _project(self, x: Array) -> Array:
         """P x: what is left of nodal fields without the rigid motion that mean axes put into the frame (Eq. T6)."""
@@ -285,7 +288,7 @@ class MeshStep:
 
     def energies(self, motion: MotionState, gravity: Array) -> tuple[float, float, float]:
         """Kinetic, strain and gravity energy (J) now."""
-        o = self._start
+        o = self._offset
         inertia = self.body.inertia
         kinetic = inertia.kinetic_energy(motion.v[o : o + 3], motion.v[o + 3 : o + 6], self.u, self.ud)
         stiffness_product(self.body.K, self.u, self._elastic)

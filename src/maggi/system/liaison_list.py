@@ -206,6 +206,7 @@ class LiaisonList:
             function_codes=codes,
             function_values=values,
             curve=integers(self._curves, (-1, 4)),
+            measured=np.arange(len(self._coordinates)),
             integers=integers(self._integers),
             data=numbers(self._data),
         )
