@@ -104,7 +104,7 @@ def closure_rates(tree: Tree, columns: Array, z: Array, out: Array) -> None:
 def closure_scale(
     tree: Tree, bodies: BodyTable, A: Array, sigma: float, geometric: bool, W: Array, product: Array, scale: Array
 ) -> None:
-    """Raise scale (r,) to A Ŝ⁻¹ Aᵀ of each row on its bodies alone, as if none were joined.
+    """Raise scale (r,) to A Ŝ⁻¹ Aᵀ of each row on its ends, each taken alone as if nothing were joined.
 
     This is what a row's pivot is compared with: at a singular position its diagonal in Λ vanishes too. geometric: in the
     metric of lengths and angles, W (flat blocks) that of blocks. product (m,): scratch.

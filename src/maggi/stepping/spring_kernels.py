@@ -98,7 +98,7 @@ def add_spring_compliance(small: SmallSystem, c: GeneralizedAlpha, work: StepWor
         for i in range(q + 1, first.shape[0]):
             if first[i] <= q:
                 L[start[i] + q - first[i]] = 0.0
-        L[start[q] + q - first[q]] = 1.0
+        L[start[q] + q - first[q]] = math.inf  # a pivot of zero: the row is left out
 
 
 @njit(cache=True, error_model="numpy")

@@ -73,7 +73,7 @@ class Stepper:
         self.small = small_system(system, self.relative)
         self.state = new_instant(system, least_speed, least_acceleration)
         self.trial = new_state(system, self.relative)
-        self._tried = new_instant(system, least_speed, least_acceleration)
+        self.tried = new_instant(system, least_speed, least_acceleration)
         self.work = new_work(system, self.relative)
         self.meshes = [
             MeshStep(body, index, system.bodies, self.relative.place(index))
@@ -165,7 +165,7 @@ class Stepper:
     def _ended(self, t: float, done: int, steps: int) -> None:
         """After `done` of `steps` steps from time t: renew `state`, and keep what a step that failed has tried."""
         if done < steps:
-            to_model(self.small, self.trial, self._tried)
+            to_model(self.small, self.trial, self.tried)
         self._show(t + done * self.coefficients.h)
 
     def _phase(self, phase: int, c: GeneralizedAlpha, end: float) -> tuple[int, int]:
@@ -282,7 +282,7 @@ class Stepper:
 
     def failure(self, t: float) -> SimulationError:
         """Why the iteration of the step to time t did not converge, as a message."""
-        system, state, tried = self.system, self.state, self._tried
+        system, state, tried = self.system, self.state, self.tried
         undefined = why_undefined(system, state.now, tried.now, state.rows.previous, t, self.coefficients.h)
         if undefined is not None:
             return SimulationError(f"{undefined}, at t = {t:.6g} s")
