@@ -17,6 +17,7 @@ from maggi.projection.tree_kernels import closure_columns, outwards, tree_factor
 from maggi.stepping.allocate import new_instant, new_state, new_work, small_system
 from maggi.stepping.instant_kernels import show
 from maggi.stepping.kernels import evaluate
+from maggi.stepping.linking import link
 from maggi.system.build import build_system
 from maggi.system.dense import dense_mass, dense_rows
 
@@ -45,11 +46,13 @@ class Case:
         motion.vd[:] = np.linalg.lstsq(A, -gamma, rcond=1e-10)[0] + S @ rng.normal(size=S.shape[1])
         self.motion, self.A = motion, A
         self.small = small_system(system, self.relative)
-        self.state, self.work = new_state(system, self.relative), new_work(system, self.relative)
+        self.state = new_state(system, self.relative, new_instant(system, 1.0, 1.0))
+        self.work = new_work(system, self.relative)
+        link(self.small, self.state, self.work)
         vectors = self.state.vectors
         relative_motion(self.relative, motion, self.state.joints, self.state.accepted, vectors.nu, vectors.nud)
         vectors.nu_next[:], vectors.nud_next[:] = vectors.nu, vectors.nud
-        evaluate(self.small, 0.0, self.state, np.zeros(3), self.work)
+        evaluate(self.small, self.state, self.work, 0.0)
 
 
 @pytest.fixture(scope="module", params=MODELS, ids=str)

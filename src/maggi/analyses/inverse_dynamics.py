@@ -94,7 +94,7 @@ def coordinates_at(
     if previous is not None:
         rows.previous[:] = previous
     attachment_motion(bodies, motion, attachments)
-    evaluate_rows(table, bodies, motion, attachments, t, rows)
+    evaluate_rows(table, bodies, motion, attachments, rows, t)
     G = np.zeros((len(chosen), system.coordinates))
     for i, c in enumerate(chosen):
         for side in range(2):

@@ -184,7 +184,7 @@ class OdeRun:
             target[:] = source
         state.rows.previous[:] = evaluation.rows.coordinate[:, 0]
         attachment_motion(system.bodies, state.now, state.attachments)
-        evaluate_rows(system.liaisons, system.bodies, state.now, state.attachments, t, state.rows)
+        evaluate_rows(system.liaisons, system.bodies, state.now, state.attachments, state.rows, t)
         state.multipliers[:] = evaluation.state.multipliers
         state.power[:] = evaluation.state.power[:3]
         state.work[:2] = z[-2:]

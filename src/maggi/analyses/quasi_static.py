@@ -213,7 +213,7 @@ class QuasiStatic:
         attachments = new_attachments(system.bodies.attachment_body.size)
         rows = new_rows(system)
         attachment_motion(system.bodies, motion, attachments)
-        evaluate_rows(system.liaisons, system.bodies, motion, attachments, t, rows)
+        evaluate_rows(system.liaisons, system.bodies, motion, attachments, rows, t)
         Q = np.zeros(system.coordinates)
         applied_forces(system.forces, system.bodies, system.liaisons, motion, attachments, rows, t, Q, np.zeros(3))
         return Q

@@ -47,7 +47,7 @@ def joint_coordinates(table: LiaisonTable, attachments: AttachmentState, out: Li
 
 @njit(cache=True, error_model="numpy")
 def joint_coordinate(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
-    """One joint coordinate; rotations right-handed and unwrapped."""
+    """One joint coordinate; rotations right-handed and unwrapped. Parameters of curves are left to `special`."""
     kind = table.coordinate[c, COORDINATE_KIND]
     if kind == ROTATION or kind == ROTATION_SECOND:
         _turn(table, attachments, c, out)
@@ -55,8 +55,6 @@ def joint_coordinate(table: LiaisonTable, attachments: AttachmentState, c: int, 
         _translation(table, attachments, c, out)
     elif kind == ROTATION_VECTOR:
         _rotation_vector(table, attachments, c, out)
-    else:
-        _curve_parameter(table, attachments, c, out)
 
 
 @njit(cache=True, error_model="numpy")
@@ -151,7 +149,7 @@ def _rate(wrench: Array, attachments: AttachmentState, p: int, q: int) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _curve_parameter(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
+def curve_parameter(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
     """The parameter of a curve joint, less its initial value.
 
     Point: ṡ = c′·ẋ / (c′·c′ − (x − c)·c″). Face with normal m: ṡ = −c′·ṁ / (c″·m). x, m in the carrier's axes.

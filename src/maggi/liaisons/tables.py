@@ -44,6 +44,8 @@ CALLBACK = 14  # start in `integers`, number of the row among those of the funct
 
 JETS = 12  # where in the scratch room the jets of functions' variables start
 
+SPECIAL_COORDINATES, SPECIAL_ROWS = 0, 1  # places in LiaisonTable.special
+
 # Columns of LiaisonTable.curve.
 CURVE_FUNCTION, CURVE_DATA, CURVE_PIECES, CURVE_CLOSED = 0, 1, 2, 3
 
@@ -64,6 +66,7 @@ class LiaisonTable(Table):
     function_start (f + 1,), function_codes, function_values: functions of time and other variables, postfix.
     curve (k, 4): first of three functions (or −1), start in `data`, number of spline pieces, closed.
     measured: coordinates that are evaluated with the rows, all or those that rows need.
+    special (2,): addresses of `special.special_coordinates` and `special_rows`, 0 where nothing needs them.
     integers, data: what rows and curves need beyond that; see `liaisons` where they are read.
     """
 
@@ -82,6 +85,7 @@ class LiaisonTable(Table):
     function_values: Array
     curve: IntArray
     measured: IntArray
+    special: IntArray
     integers: IntArray
     data: Array
 

@@ -216,7 +216,7 @@ class ChartEvaluation:
         motion.v[self.chart.table.unknown] = state.v
         motion.vd[self.chart.table.unknown] = state.vd
         attachment_motion(system.bodies, motion, self.attachments)
-        evaluate_rows(system.liaisons, system.bodies, motion, self.attachments, t, self.rows)
+        evaluate_rows(system.liaisons, system.bodies, motion, self.attachments, self.rows, t)
         self.rows.previous[:] = self.rows.coordinate[:, 0]
         return kernels.DONE, sd, nud
 

@@ -11,7 +11,7 @@ from maggi.projection.tree_build import RelativeSystem, new_joint_poses, new_tre
 from maggi.system.dense import new_attachments, new_row_values, new_rows, velocity_scale
 from maggi.system.system import System
 
-from .tables import Instant, SmallSystem, StepState, StepVectors, StepWork
+from .tables import LINKS, Instant, SmallSystem, StepState, StepVectors, StepWork
 
 Array = NDArray[np.float64]
 
@@ -29,6 +29,7 @@ def small_system(system: System, relative: RelativeSystem) -> SmallSystem:
         forces=system.forces,
         tree=relative.tree,
         floor=system.inertia_floor,
+        links=np.zeros(LINKS, dtype=np.int64),
         joint_row_start=relative.joint_row_start,
         joint_row=relative.joint_row,
         joint_end=relative.joint_end,
@@ -56,8 +57,8 @@ def new_instant(system: System, least_speed: float, least_acceleration: float) -
     )
 
 
-def new_state(system: System, relative: RelativeSystem) -> StepState:
-    """The initial pose, at rest, in the frames of the step."""
+def new_state(system: System, relative: RelativeSystem, instant: Instant) -> StepState:
+    """The initial pose, at rest, in the frames of the step, of a run that `instant` shows."""
     m, r, b, x = len(relative.tree.size), len(relative.closures.row), system.bodies.kind.size, len(relative.tree.body)
     vectors = StepVectors(
         a=np.zeros(m),
@@ -84,6 +85,9 @@ def new_state(system: System, relative: RelativeSystem) -> StepState:
         attachments=new_attachments(system.bodies.attachment_body.size),
         rows=new_row_values(relative.closures, relative.coefficients),
         vectors=vectors,
+        scales=instant.scales,
+        power=instant.power,
+        work=instant.work,
     )
 
 
@@ -152,4 +156,7 @@ def new_work(system: System, relative: RelativeSystem) -> StepWork:
         rates=np.zeros(q),
         product=np.zeros(max(widest, m)),
         ritz=np.zeros((14, widest)),
+        method=np.zeros(6),
+        flags=np.zeros(2, dtype=np.int64),
+        numbers=np.zeros(4),
     )

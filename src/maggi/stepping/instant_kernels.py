@@ -6,12 +6,11 @@ from numba import njit
 
 from maggi.bodies.kernels import attachment_motion
 from maggi.bodies.tables import Array
-from maggi.liaisons.kernels import evaluate_rows
+from maggi.linalg.links import call3, call5
 from maggi.projection.range_space import transpose_product
 from maggi.projection.tree_kernels import add_inertia_force, carry_force
 
-from .kernels import evaluate
-from .tables import Instant, SmallSystem, StepState, StepWork
+from .tables import EVALUATE, ROWS, Instant, SmallSystem, StepState, StepWork
 
 
 @njit(cache=True, error_model="numpy")
@@ -25,7 +24,7 @@ def show(small: SmallSystem, t: float, state: StepState, work: StepWork, out: In
         vectors.increment[i] = 0.0
         vectors.nu_next[i] = vectors.nu[i]
         vectors.nud_next[i] = vectors.nud[i]
-    evaluate(small, t, state, out.power, work)
+    call3(small.links[EVALUATE], small, state, work, t)
     to_model(small, state, out)
     previous = out.rows.previous
     for x in range(small.joint_turn.shape[0]):
@@ -35,7 +34,7 @@ def show(small: SmallSystem, t: float, state: StepState, work: StepWork, out: In
     for x in range(tree.tracked.shape[0]):
         previous[tree.tracked[x]] = state.rows.previous[tree.tracked[x]]
     attachment_motion(small.bodies, out.now, out.attachments)
-    evaluate_rows(small.all_liaisons, small.bodies, out.now, out.attachments, t, out.rows)
+    call5(small.links[ROWS], small.all_liaisons, small.bodies, out.now, out.attachments, out.rows, t)
     for q in range(small.closure_row.shape[0]):
         out.multipliers[small.closure_row[q]] = vectors.multipliers[q]
         out.active[small.closure_row[q]] = work.active[q]

@@ -9,14 +9,13 @@ import math
 
 from numba import njit
 
-from maggi.bodies.kernels import inertia_residual, move_attachment
-from maggi.bodies.motions import prescribe
-from maggi.bodies.tables import FIXED, MESH, RITZ, Array, MotionState
+from maggi.bodies.kernels import move_attachment
+from maggi.bodies.tables import FIXED, MESH, Array, MotionState
 from maggi.forces.kernels import applied_forces
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.liaisons.coordinates import joint_coordinate
-from maggi.liaisons.kernels import evaluate_rows
 from maggi.liaisons.tables import ROW_ANGULAR, ROW_HOLONOMIC, LiaisonState, LiaisonTable
+from maggi.linalg.links import Link, call3, call5
 from maggi.linalg.rotations import exp_se3_update
 from maggi.projection.closures import (
     add_closure_forces,
@@ -30,7 +29,6 @@ from maggi.projection.range_space import SUSPECT, factorise, find_singular, solv
 from maggi.projection.tree_kernels import closure_columns, outwards, tree_factor, tree_motion, tree_residual
 from maggi.projection.tree_tables import GENERAL
 
-from .ritz_kernels import add_elastic_forces, compliances, damping_power
 from .spring_kernels import (
     add_spring_compliance,
     joint_spring_forces,
@@ -38,7 +36,28 @@ from .spring_kernels import (
     spring_coefficients,
     spring_forces,
 )
-from .tables import SmallSystem, StepState, StepVectors, StepWork
+from .tables import (
+    ACCEPT_STEP,
+    BLOCK_COMPLIANCES,
+    BLOCK_FORCES,
+    BLOCK_POWER,
+    CORRECT,
+    DISSIPATION,
+    EVALUATE,
+    FIRST,
+    GIVEN_POWER,
+    ORDER,
+    PREDICT_STEP,
+    PRESCRIBE,
+    REFRESH,
+    ROWS,
+    SINE,
+    TAKEN_POWER,
+    SmallSystem,
+    StepState,
+    StepVectors,
+    StepWork,
+)
 
 CONVERGED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 WHOLE_STEPS, PREDICT, ITERATE, ACCEPT = 0, 1, 2, 3
@@ -51,8 +70,16 @@ EPSILON = 2.2e-16
 
 
 @njit(cache=True, error_model="numpy")
-def predict(small: SmallSystem, c: GeneralizedAlpha, order: int, state: StepState) -> None:
-    """Accelerations extrapolated by a polynomial of the given order, 0 to 2, and the Newmark state that follows."""
+def coefficients(work: StepWork) -> GeneralizedAlpha:
+    """Those of the present step size."""
+    m = work.method
+    return GeneralizedAlpha(m[0], m[1], m[2], m[3], m[4], m[5])
+
+
+@Link
+def predict(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
+    """Accelerations extrapolated by a polynomial of the order asked for, 0 to 2, and the Newmark state that follows."""
+    c, order = coefficients(work), work.flags[ORDER]
     vectors = state.vectors
     a, a_next, a_previous, a_older = vectors.a, vectors.a_next, vectors.a_previous, vectors.a_older
     nu, nu_next, nud, nud_next, increment = (
@@ -109,8 +136,8 @@ def move_blocks(small: SmallSystem, state: StepState) -> None:
             )
 
 
-@njit(cache=True, error_model="numpy")
-def evaluate(small: SmallSystem, t: float, state: StepState, power: Array, work: StepWork) -> None:
+@Link
+def evaluate(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
     """All bodies, and attachments, closures and applied forces, at the end of the step."""
     tree, bodies, motion, vectors = small.tree, small.step_bodies, state.motion, state.vectors
     tree_motion(
@@ -126,14 +153,17 @@ def evaluate(small: SmallSystem, t: float, state: StepState, power: Array, work:
     )
     if tree.block.shape[0] > 0:
         move_blocks(small, state)
-        prescribe(small.motions, bodies, t, motion)
+        if small.links[PRESCRIBE] != 0:
+            call3(small.links[PRESCRIBE], small, state, work, t)
     for x in range(tree.needed.shape[0]):
         move_attachment(bodies, tree.needed[x], motion, state.attachments)
     if state.rows.coordinate.shape[0] > 0 or state.rows.position.shape[0] > 0:
-        evaluate_rows(small.closures, bodies, motion, state.attachments, t, state.rows)
+        call5(small.links[ROWS], small.closures, bodies, motion, state.attachments, state.rows, t)
     forces = small.forces
     if tree.spring.shape[0] + tree.on_joint.shape[0] + forces.load_attachment.shape[0] > 0:
-        applied_forces(forces, bodies, small.closures, motion, state.attachments, state.rows, t, work.loads, power)
+        applied_forces(
+            forces, bodies, small.closures, motion, state.attachments, state.rows, t, work.loads, state.power
+        )
 
 
 @njit(cache=True, error_model="numpy")
@@ -228,33 +258,35 @@ def largest_of(delta: Array) -> float:
     return largest
 
 
-@njit(cache=True, error_model="numpy")
-def refresh_matrices(small: SmallSystem, c: GeneralizedAlpha, state: StepState, work: StepWork) -> float:
+@Link
+def refresh(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
     """Ŝ = L D Lᵀ of the tree, compliances of Ritz blocks, Λ and its factor, as the bodies stand.
 
-    Returns the sine of the smallest angle between rows, 1 unless a singular position is close.
+    To `numbers` the sine of the smallest angle between rows, 1 unless a singular position is close.
     """
+    c = coefficients(work)
+    work.numbers[SINE] = 1.0
     tree, bodies, rows = small.tree, small.step_bodies, state.rows
     first, start = tree.skyline_first, tree.skyline_start
-    if bodies.m.shape[0] > 0:
-        compliances(bodies, state.motion, c, small.floor, work.elastic, work.W)
+    if small.links[BLOCK_COMPLIANCES] != 0:
+        call3(small.links[BLOCK_COMPLIANCES], small, state, work, t)
     joint_stiffness(small, c, work.stiffness)
     tree_factor(tree, c.sigma, False, work.stiffness, work.tree)
     if first.shape[0] == 0:
-        return 1.0
+        return
     spring_coefficients(small, state)
     closure_columns(tree, rows.A, work.tree)
     if work.scale.shape[0] > 0 and work.scale[0] == 0.0:
         closure_scale(tree, bodies, rows.A, c.sigma, False, work.W, work.product, work.scale)
     closure_compliance(tree, bodies, work.W, work.tree, work.product, work.L)
     add_spring_compliance(small, c, work)
-    sine = 1.0
     if factorise(first, start, work.L, work.pivot, work.scale, work.active, True) < SUSPECT:
         tree_factor(tree, c.sigma, True, work.stiffness, work.tree)
         closure_columns(tree, rows.A, work.tree)
         closure_scale(tree, bodies, rows.A, c.sigma, True, work.metric, work.product, work.metric_scale)
         closure_compliance(tree, bodies, work.metric, work.tree, work.product, work.L)
-        sine = math.sqrt(find_singular(first, start, work.L, work.pivot, work.metric_scale, work.active))
+        sine = find_singular(first, start, work.L, work.pivot, work.metric_scale, work.active)
+        work.numbers[SINE] = math.sqrt(sine)
         tree_factor(tree, c.sigma, False, work.stiffness, work.tree)
         closure_columns(tree, rows.A, work.tree)
         closure_compliance(tree, bodies, work.W, work.tree, work.product, work.L)
@@ -263,7 +295,6 @@ def refresh_matrices(small: SmallSystem, c: GeneralizedAlpha, state: StepState, 
     else:
         for i in range(work.active.shape[0]):
             work.active[i] = 1
-    return sine
 
 
 @njit(cache=True, error_model="numpy")
@@ -306,42 +337,37 @@ def shifts(small: SmallSystem, c: GeneralizedAlpha, state: StepState, work: Step
 
 
 @njit(cache=True, error_model="numpy")
-def forces_on_blocks(small: SmallSystem, iteration: int, state: StepState, work: StepWork) -> None:
-    """Residual of blocks, added to `force` (m,); of mesh bodies what their back-substitution has not seen."""
-    tree, bodies, motion = small.tree, small.step_bodies, state.motion
+def forces_on_meshes(small: SmallSystem, work: StepWork) -> None:
+    """To `force` (m,) of mesh bodies what their back-substitution has not seen; to `delta` what it has found."""
+    tree, bodies = small.tree, small.step_bodies
     force, given, accounted = work.force, work.given, work.accounted
     count = tree.parent.shape[0]
     for k in range(tree.block.shape[0]):
         b = tree.block[k]
+        if bodies.kind[b] != MESH:
+            continue
         s, o = tree.node_start[count + k], bodies.offset[b]
         n = bodies.offset[b + 1] - o
-        if bodies.kind[b] == MESH:
-            for i in range(n):
-                total = given[o + i] + force[s + i]
-                force[s + i] = total - accounted[s + i]
-                accounted[s + i] = total
-            if iteration == 0:
-                for i in range(6):
-                    force[s + i] += work.base[s + i]
-                for i in range(6, n):
-                    work.delta[s + i] += work.base[s + i]
-            continue
-        residual = work.product[:n]
-        inertia_residual(bodies, b, motion, small.forces.gravity, residual)
-        if n > 6:
-            add_elastic_forces(bodies, b, work.shift[s + 6 : s + n], work.rate_shift[s + 6 : s + n], residual[6:])
         for i in range(n):
-            force[s + i] += residual[i] + given[o + i]
+            total = given[o + i] + force[s + i]
+            force[s + i] = total - accounted[s + i]
+            accounted[s + i] = total
+        if work.flags[FIRST] == 1:
+            for i in range(6):
+                force[s + i] += work.base[s + i]
+            for i in range(6, n):
+                work.delta[s + i] += work.base[s + i]
 
 
-@njit(cache=True, error_model="numpy")
-def correct(small: SmallSystem, c: GeneralizedAlpha, iteration: int, state: StepState, work: StepWork) -> None:
+@Link
+def correct(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
     """One correction δ of the algorithmic accelerations (v̇ changes by σδ, v by γhδ, q by βh²δ).
 
     In the compliance W = Ŝ⁻¹, with shifts by π and κ (`shifts`) and residual r:
     x = −W (r + K Wᵀπ + D Wᵀκ),   Λ φ = A x + (A v̇ + γ)/σ,   δ = x − W Aᵀ φ
     after which Φ, A v + b, A v̇ + γ vanish together to first order.
     """
+    c = coefficients(work)
     tree, bodies, rows, vectors = small.tree, small.step_bodies, state.rows, state.vectors
     delta, force, step, phi = work.delta, work.force, work.step, work.phi
     r = work.pi.shape[0]
@@ -362,7 +388,9 @@ def correct(small: SmallSystem, c: GeneralizedAlpha, iteration: int, state: Step
     for d in range(tree.free.shape[0]):
         force[d] += step[d]
     if tree.block.shape[0] > 0:
-        forces_on_blocks(small, iteration, state, work)
+        forces_on_meshes(small, work)
+        if small.links[BLOCK_FORCES] != 0:
+            call3(small.links[BLOCK_FORCES], small, state, work, t)
     apply_compliance(tree, bodies, work.W, work.tree, force, step)
     for i in range(m):
         delta[i] -= step[i]
@@ -397,19 +425,13 @@ def correct(small: SmallSystem, c: GeneralizedAlpha, iteration: int, state: Step
 
 @njit(cache=True, error_model="numpy")
 def iterate(
-    small: SmallSystem,
-    c: GeneralizedAlpha,
-    t: float,
-    tolerance: float,
-    scales: Array,
-    power: Array,
-    state: StepState,
-    work: StepWork,
+    small: SmallSystem, state: StepState, work: StepWork, c: GeneralizedAlpha, t: float, tolerance: float
 ) -> tuple[int, int]:
     """Newton's iteration on the small system; returns (CONVERGED or why not, number of corrections).
 
     Full-mesh bodies enter by `work.base` (their one back-substitution) and `work.accounted` and are linear here.
     """
+    scales = state.scales
     rho = state.vectors.contraction
     multipliers = state.vectors.multipliers_next
     size = scales[0]
@@ -418,14 +440,14 @@ def iterate(
     contraction = rho[0]
     worst_before = math.inf
     measured = rho[1] < 10.0
-    refresh = True
+    renew = True
     for i in range(work.accounted.shape[0]):
         work.accounted[i] = 0.0
         work.position_force[i] = 0.0
         work.velocity_force[i] = 0.0
     sine = 1.0  # of the smallest angle between rows
     for iteration in range(MAX_ITERATIONS + 1):
-        evaluate(small, t, state, power, work)
+        call3(small.links[EVALUATE], small, state, work, t)
         worst, dropped = active_residuals(small.closures, state.rows, scales, work.pivot)
         if not math.isfinite(worst + dropped) or not math.isfinite(error):
             return NOT_FINITE, iteration
@@ -454,111 +476,77 @@ def iterate(
         if iteration == MAX_ITERATIONS:
             break
         worst_before = worst
-        if refresh:
-            sine = refresh_matrices(small, c, state, work)
+        if renew:
+            call3(small.links[REFRESH], small, state, work, t)
+            sine = work.numbers[SINE]
             for i in range(multipliers.shape[0]):
                 if work.pivot[i] == 0.0:
                     multipliers[i] = 0.0
-            refresh = False
-        correct(small, c, iteration, state, work)
+            renew = False
+        work.flags[FIRST] = 1 if iteration == 0 else 0
+        call3(small.links[CORRECT], small, state, work, t)
         previous = error
         error = correction_size(small, c, scales, state, work.delta) / tolerance
         if iteration > 0 and previous > 0.0:
             contraction = max(min(error / previous, 2.0), 1e-3)
             if contraction > REFRESH_ABOVE:
-                refresh = True
+                renew = True
             rho[0] = min(contraction, 0.5)
     return NOT_CONVERGED, MAX_ITERATIONS
 
 
-@njit(cache=True, error_model="numpy")
-def constraint_power(small: SmallSystem, state: StepState, work: StepWork) -> float:
-    """Power (W) that driven rows and prescribed frames put into the mechanism: λᵀb and frame force × twist."""
-    tree, bodies, motion = small.tree, small.step_bodies, state.motion
-    multipliers, rhs = state.vectors.multipliers_next, state.rows.rhs
-    value = 0.0
-    for i in range(rhs.shape[0]):
-        value += multipliers[i] * rhs[i]
-    count = tree.parent.shape[0]
-    for k in range(tree.block.shape[0]):
-        b = tree.block[k]
-        if bodies.floating[b] == 1:
-            continue
-        o = bodies.offset[b]
-        n = bodies.offset[b + 1] - o
-        if bodies.kind[b] == MESH:
-            s = tree.node_start[count + k]
-            for i in range(6):
-                value += (work.base[s + i] + work.given[o + i]) * motion.v[o + i]
-        else:
-            residual = work.product[:n]
-            inertia_residual(bodies, b, motion, small.forces.gravity, residual)
-            for i in range(6):
-                value += (residual[i] + work.given[o + i]) * motion.v[o + i]
-    return value
-
-
-@njit(cache=True, error_model="numpy")
-def accept(
-    small: SmallSystem,
-    c: GeneralizedAlpha,
-    dissipation: float,
-    scales: Array,
-    power: Array,
-    done: Array,
-    state: StepState,
-    work: StepWork,
-) -> None:
-    """Make the end of the step the present: integrate work and dissipation by the trapezoidal rule, renew the scales.
-
-    dissipation: power (W) that the damping of meshed bodies takes now.
-    """
+@Link
+def accept(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
+    """Make the end of the step the present: integrate work and dissipation by the trapezoidal rule, renew the scales."""
     tree, bodies, motion, vectors, rows = small.tree, small.step_bodies, state.motion, state.vectors, state.rows
-    taken = power[1] + dissipation
-    if tree.block.shape[0] > 0 or rows.rhs.shape[0] > 0:
-        transpose_product(small.closures, bodies, rows.A, vectors.multipliers_next, work.given)
-        for i in range(work.given.shape[0]):
-            work.given[i] -= work.loads[i]
+    h = work.method[0]
+    given = state.power[2]  # of loads, of driven rows λᵀb, and of prescribed frames
+    taken = state.power[1] + work.numbers[DISSIPATION]
+    multipliers, rhs, done = vectors.multipliers_next, rows.rhs, state.work
+    for i in range(rhs.shape[0]):
+        given += multipliers[i] * rhs[i]
+    if small.links[BLOCK_POWER] != 0:
+        call3(small.links[BLOCK_POWER], small, state, work, t)
+        given += work.numbers[GIVEN_POWER]
+        taken += work.numbers[TAKEN_POWER]
+    done[0] += 0.5 * h * (done[2] + given)
+    done[1] += 0.5 * h * (done[3] + taken)
+    done[2] = given
+    done[3] = taken
     now = state.accepted
     for k in range(tree.block.shape[0]):
         b = tree.block[k]
-        o, end = bodies.offset[b], bodies.offset[b + 1]
-        if bodies.kind[b] == RITZ:
-            taken += damping_power(bodies, b, motion.v[o + 6 : end])
-        for i in range(o, end):
+        for i in range(bodies.offset[b], bodies.offset[b + 1]):
             now.e[i] = motion.e[i]
         for i in range(3):
             now.origin[b, i] = motion.origin[b, i]
             for j in range(3):
                 now.rotation[b, i, j] = motion.rotation[b, i, j]
-    given = constraint_power(small, state, work) + power[2]
-    done[0] += 0.5 * c.h * (done[2] + given)
-    done[1] += 0.5 * c.h * (done[3] + taken)
-    done[2] = given
-    done[3] = taken
     a, a_next, a_previous, a_older = vectors.a, vectors.a_next, vectors.a_previous, vectors.a_older
+    nu, nu_next, nud, nud_next = vectors.nu, vectors.nu_next, vectors.nud, vectors.nud_next
     for i in range(a.shape[0]):
         a_older[i] = a_previous[i]
         a_previous[i] = a[i]
         a[i] = a_next[i]
-        vectors.nu[i] = vectors.nu_next[i]
-        vectors.nud[i] = vectors.nud_next[i]
+        nu[i] = nu_next[i]
+        nud[i] = nud_next[i]
+    joints, joints_next = state.joints, state.joints_next
     for x in range(tree.parent.shape[0]):
-        state.joints.value[x] = state.joints_next.value[x]
+        joints.value[x] = joints_next.value[x]
         if tree.pair[x] == GENERAL:
             for i in range(3):
-                state.joints.position[x, i] = state.joints_next.position[x, i]
+                joints.position[x, i] = joints_next.position[x, i]
                 for j in range(3):
-                    state.joints.rotation[x, i, j] = state.joints_next.rotation[x, i, j]
+                    joints.rotation[x, i, j] = joints_next.rotation[x, i, j]
     for i in range(vectors.multipliers.shape[0]):
         vectors.multipliers_previous[i] = vectors.multipliers[i]
-        vectors.multipliers[i] = vectors.multipliers_next[i]
+        vectors.multipliers[i] = multipliers[i]
     for x in range(tree.tracked.shape[0]):
         joint_coordinate(small.closures, state.attachments, tree.tracked[x], rows)
         rows.previous[tree.tracked[x]] = rows.coordinate[tree.tracked[x], 0]
     for x in range(small.closures.measured.shape[0]):
         rows.previous[small.closures.measured[x]] = rows.coordinate[small.closures.measured[x], 0]
-    update_scales(small, motion, vectors, scales)
+    update_scales(small, motion, vectors, state.scales)
 
 
 @njit(cache=True, error_model="numpy")
@@ -592,39 +580,35 @@ def update_scales(small: SmallSystem, motion: MotionState, vectors: StepVectors,
 @njit(cache=True, error_model="numpy")
 def advance(
     small: SmallSystem,
-    c: GeneralizedAlpha,
+    state: StepState,
+    work: StepWork,
     phase: int,
     t: float,
     steps: int,
-    order: int,
     tolerance: float,
-    dissipation: float,
-    scales: Array,
-    power: Array,
-    done: Array,
-    state: StepState,
-    work: StepWork,
 ) -> tuple[int, int, int]:
     """Up to `steps` steps from time t, or one phase of a step; returns (reason it ended, steps done, corrections).
 
     phase: WHOLE_STEPS, or PREDICT, ITERATE, ACCEPT of a single step to t + h for mechanisms with meshed bodies,
-    whose back-substitutions come between. order: by what polynomial the first step predicts; each that follows may take
-    one more, up to 2. scales (5,), power (3,), done (4,): those of the `Instant`, of the step's own frames.
+    whose back-substitutions come between. By what polynomial the first step predicts is in `flags`; each that follows
+    takes one more, up to 2.
     """
+    c, links = coefficients(work), small.links
     total = 0
     for k in range(steps):
         end = t + (k + 1) * c.h
         if phase == WHOLE_STEPS or phase == PREDICT:
-            predict(small, c, order, state)
+            call3(links[PREDICT_STEP], small, state, work, end)
             if phase == PREDICT:
                 move_blocks(small, state)
-                prescribe(small.motions, small.step_bodies, end, state.motion)
-            order = min(order + 1, 2)
+                if links[PRESCRIBE] != 0:
+                    call3(links[PRESCRIBE], small, state, work, end)
+            work.flags[ORDER] = min(work.flags[ORDER] + 1, 2)
         if phase == WHOLE_STEPS or phase == ITERATE:
-            reason, corrections = iterate(small, c, end, tolerance, scales, power, state, work)
+            reason, corrections = iterate(small, state, work, c, end, tolerance)
             total += corrections
             if reason != CONVERGED:
                 return reason, k, total
         if phase == WHOLE_STEPS or phase == ACCEPT:
-            accept(small, c, dissipation, scales, power, done, state, work)
+            call3(links[ACCEPT_STEP], small, state, work, end)
     return CONVERGED, steps, total

@@ -1,14 +1,19 @@
-"""Compiled terms of Ritz bodies in the step: compliances, elastic forces of shifts, power of damping."""
+"""Compiled stages for Ritz bodies and prescribed frames: compliances, forces, powers, given motions."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
-from maggi.bodies.kernels import add_multiple, frame_mass, inner, multiply
-from maggi.bodies.tables import RITZ, Array, BodyTable, MotionState
+from maggi.bodies.kernels import add_multiple, frame_mass, inertia_residual, inner, multiply
+from maggi.bodies.motions import prescribe
+from maggi.bodies.tables import MESH, RITZ, Array, BodyTable, MotionState
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
+from maggi.linalg.links import Link
 from maggi.linalg.small import invert
+from maggi.projection.range_space import transpose_product
+
+from .tables import GIVEN_POWER, TAKEN_POWER, SmallSystem, StepState, StepWork
 
 
 @njit(cache=True)
@@ -89,3 +94,67 @@ def damping_power(bodies: BodyTable, b: int, rate: Array) -> float:
     for i in range(n):
         power += rate[i] * inner(D[i], rate)
     return power
+
+
+@Link
+def block_compliances(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
+    """`compliances` as the bodies stand."""
+    m = work.method
+    c = GeneralizedAlpha(m[0], m[1], m[2], m[3], m[4], m[5])
+    compliances(small.step_bodies, state.motion, c, small.floor, work.elastic, work.W)
+
+
+@Link
+def block_forces(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
+    """Add to `force` (m,) the residual of blocks that are no meshes, with K Δe + D Δė of their shifts."""
+    tree, bodies = small.tree, small.step_bodies
+    count = tree.parent.shape[0]
+    for k in range(tree.block.shape[0]):
+        b = tree.block[k]
+        if bodies.kind[b] == MESH:
+            continue
+        s, o = tree.node_start[count + k], bodies.offset[b]
+        n = bodies.offset[b + 1] - o
+        residual = work.product[:n]
+        inertia_residual(bodies, b, state.motion, small.forces.gravity, residual)
+        if n > 6:
+            add_elastic_forces(bodies, b, work.shift[s + 6 : s + n], work.rate_shift[s + 6 : s + n], residual[6:])
+        for i in range(n):
+            work.force[s + i] += residual[i] + work.given[o + i]
+
+
+@Link
+def block_power(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
+    """Powers (W) that damping of Ritz bodies takes, and that prescribed frames give: frame force × twist."""
+    tree, bodies, motion = small.tree, small.step_bodies, state.motion
+    transpose_product(small.closures, bodies, state.rows.A, state.vectors.multipliers_next, work.given)
+    for i in range(work.given.shape[0]):
+        work.given[i] -= work.loads[i]
+    given = 0.0
+    taken = 0.0
+    count = tree.parent.shape[0]
+    for k in range(tree.block.shape[0]):
+        b = tree.block[k]
+        o = bodies.offset[b]
+        n = bodies.offset[b + 1] - o
+        if bodies.kind[b] == RITZ:
+            taken += damping_power(bodies, b, motion.v[o + 6 : o + n])
+        if bodies.floating[b] == 1:
+            continue
+        if bodies.kind[b] == MESH:
+            s = tree.node_start[count + k]
+            for i in range(6):
+                given += (work.base[s + i] + work.given[o + i]) * motion.v[o + i]
+        else:
+            residual = work.product[:n]
+            inertia_residual(bodies, b, motion, small.forces.gravity, residual)
+            for i in range(6):
+                given += (residual[i] + work.given[o + i]) * motion.v[o + i]
+    work.numbers[GIVEN_POWER] = given
+    work.numbers[TAKEN_POWER] = taken
+
+
+@Link
+def prescribe_frames(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
+    """Set the frames that move as given."""
+    prescribe(small.motions, small.step_bodies, t, state.motion)

@@ -23,8 +23,10 @@ from . import ahead, kernels
 from .allocate import elastic_compliances, geometric_metric, new_instant, new_state, new_work, small_system
 from .failures import almost_flat, why_undefined
 from .instant_kernels import show, to_model
+from .linking import link
 from .mesh_step import MeshStep
 from .policy import MOST, SolvePolicy
+from .tables import DISSIPATION, ORDER
 
 Array = NDArray[np.float64]
 
@@ -72,9 +74,10 @@ class Stepper:
         self.relative = relative_system(system)
         self.small = small_system(system, self.relative)
         self.state = new_instant(system, least_speed, least_acceleration)
-        self.trial = new_state(system, self.relative)
+        self.trial = new_state(system, self.relative, self.state)
         self.tried = new_instant(system, least_speed, least_acceleration)
         self.work = new_work(system, self.relative)
+        link(self.small, self.trial, self.work)
         self.meshes = [
             MeshStep(body, index, system.bodies, self.relative.place(index))
             for index, body in system.mesh_bodies.items()
@@ -178,23 +181,11 @@ class Stepper:
         self, phase: int, c: GeneralizedAlpha, t: float, steps: int, dissipation: float = 0.0
     ) -> tuple[int, int, int]:
         """The compiled step on this system's tables and state; see `kernels.advance`."""
-        state = self.state
-        order = min(self._alike, 1 if self.meshes else 2)
-        reason, done, corrections = kernels.advance(
-            self.small,
-            c,
-            phase,
-            t,
-            steps,
-            order,
-            self._tolerance,
-            dissipation,
-            state.scales,
-            state.power,
-            state.work,
-            self.trial,
-            self.work,
-        )
+        work = self.work
+        work.method[:] = c
+        work.flags[ORDER] = min(self._alike, 1 if self.meshes else 2)
+        work.numbers[DISSIPATION] = dissipation
+        reason, done, corrections = kernels.advance(self.small, self.trial, work, phase, t, steps, self._tolerance)
         return reason, done, corrections
 
     def _mesh_steps(self, t: float, steps: int) -> int:

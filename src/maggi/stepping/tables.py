@@ -11,6 +11,17 @@ from maggi.liaisons.tables import LiaisonState, LiaisonTable
 from maggi.linalg.table import Table
 from maggi.projection.tree_tables import JointPoses, Tree, TreeWork
 
+# What stands where in SmallSystem.links: the stages of a step, and what only some mechanisms need, 0 where not.
+EVALUATE, REFRESH, CORRECT, ACCEPT_STEP, PREDICT_STEP = 0, 1, 2, 3, 4
+PRESCRIBE, BLOCK_COMPLIANCES, BLOCK_FORCES, BLOCK_POWER, ROWS, LINKS = 5, 6, 7, 8, 9, 10
+
+# StepWork.flags: whether this is a step's first correction; order of the prediction.
+FIRST, ORDER = 0, 1
+
+# StepWork.numbers: sine of the smallest angle between rows; powers (W): that damping of meshed bodies takes, that prescribed
+# frames give, that damping of Ritz bodies takes.
+SINE, DISSIPATION, GIVEN_POWER, TAKEN_POWER = 0, 1, 2, 3
+
 
 @dataclass(frozen=True, eq=False)
 class SmallSystem(Table):
@@ -19,7 +30,7 @@ class SmallSystem(Table):
     bodies, all_liaisons: as in `System`, in the frames of the model. step_bodies: the same with the frames of the tree's
     bodies in the joints that carry them: frame_rotation (b, 3, 3), frame_position (b, 3) in the body's own frame.
     closures: the liaisons' rows that are no joints of the tree.
-    floor (b,): see `System.inertia_floor`.
+    links (LINKS,): addresses of the stages. floor (b,): see `System.inertia_floor`.
     joint_row_start (x + 1,), joint_row (j,), joint_end (j,): the rows of `all_liaisons` that make the joint of each tree
     body, and the end of the row on that body. closure_row (r,): the rows of `all_liaisons` that closures are.
     joint_turn (c, 3): of coordinates that a tree's joint counts: number, tree body, sign.
@@ -35,6 +46,7 @@ class SmallSystem(Table):
     forces: ForceTable
     tree: Tree
     floor: Array
+    links: IntArray
     joint_row_start: IntArray
     joint_row: IntArray
     joint_end: IntArray
@@ -95,7 +107,7 @@ class StepState(Table):
     """The state of a run in the frames of the step, advanced in place.
 
     accepted: of blocks, their poses and elastic coordinates at the beginning of the step; joints: poses of the tree's
-    joints then. motion, attachments, rows, joints_next: all bodies, what closures look at, and the rest, at its end.
+    joints then. scales (5,), power (3,), work (4,): those of the run's `Instant`. motion, attachments, rows, joints_next: all bodies, what closures look at, and the rest, at its end.
     """
 
     accepted: MotionState
@@ -105,6 +117,9 @@ class StepState(Table):
     attachments: AttachmentState
     rows: LiaisonState
     vectors: StepVectors
+    scales: Array
+    power: Array
+    work: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +133,8 @@ class StepWork(Table):
     base (m,): mesh bodies: frame residual, and the free elastic increments. accounted (m,): liaison forces that
     mesh bodies' increments already contain. position_force, velocity_force (m,): accumulated Aᵀπ, Aᵀκ.
     given (n,): forces Aᵀλ − Q on bodies; loads (n,): Q. stiffness, on_joints (m,): of springs on single free motions, and
-    their forces. The rest are vectors of one iteration; product (n,), ritz (14, longest): room for kernels.
+    their forces. The rest are vectors of one iteration; product (n,), ritz (14, longest): room for kernels. method (6,): coefficients of the step;
+    flags (2,), numbers (4,): see above.
     """
 
     tree: TreeWork
@@ -151,3 +167,6 @@ class StepWork(Table):
     rates: Array
     product: Array
     ritz: Array
+    method: Array
+    flags: IntArray
+    numbers: Array

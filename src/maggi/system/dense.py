@@ -79,7 +79,7 @@ def dense_rows(system: System, motion: MotionState, t: float, previous: Array | 
     if previous is not None:
         rows.previous[:] = previous
     attachment_motion(system.bodies, motion, attachments)
-    evaluate_rows(system.liaisons, system.bodies, motion, attachments, t, rows)
+    evaluate_rows(system.liaisons, system.bodies, motion, attachments, rows, t)
     table, bodies = system.liaisons, system.bodies
     A = np.zeros((system.rows, system.coordinates))
     for i in range(system.rows):
