@@ -75,7 +75,6 @@ def new_state(system: System, relative: RelativeSystem, instant: Instant) -> Ste
         multipliers_previous=np.zeros(r),
         elastic=np.zeros((b, 2)),
         contraction=np.array([0.1, 100.0]),
-        error=np.zeros(2),
     )
     return StepState(
         accepted=system.start.copy(),
@@ -157,6 +156,6 @@ def new_work(system: System, relative: RelativeSystem) -> StepWork:
         product=np.zeros(max(widest, m)),
         ritz=np.zeros((14, widest)),
         method=np.zeros(6),
-        flags=np.zeros(2, dtype=np.int64),
-        numbers=np.zeros(4),
+        flags=np.zeros(3, dtype=np.int64),
+        numbers=np.zeros(6),
     )

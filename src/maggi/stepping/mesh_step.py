@@ -244,6 +244,14 @@ class MeshStep:
         )
         self.correction = float(np.sqrt(self._squares.sum() / self.u.size))
 
+    def jump(self) -> float:
+        """How much algorithmic accelerations change in the step, root mean square (m/s²): what its local error is of."""
+        return float(np.linalg.norm(self.a_next - self.a) / np.sqrt(self.a.size))
+
+    def rescale(self, ratio: float) -> None:
+        """Algorithmic accelerations for steps `ratio` times as long: a = v̇ + O(h)."""
+        self.a = self.udd + ratio * (self.a - self.udd)
+
     def accept(self) -> None:
         """Make the end of the step the present."""
         self.a_previous, self.a, self.a_next = self.a, self.a_next, self.a_previous

@@ -26,7 +26,7 @@ from .instant_kernels import show, to_model
 from .linking import link
 from .mesh_step import MeshStep
 from .policy import MOST, SolvePolicy
-from .tables import DISSIPATION, ORDER
+from .tables import BOUND, CALM, DISSIPATION, ERROR, ORDER
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ FORCE_SHARE = 1e3
 @dataclass
 class Counts:
     """What a run has cost: steps, corrections of the small system, back-substitutions of each meshed body, and
-    factorisations and restarts in all.
+    factorisations and restarts in all; steps not accepted because of their local error.
     """
 
     steps: int = 0
@@ -46,6 +46,7 @@ class Counts:
     back_substitutions: int = 0
     factorisations: int = 0
     restarts: int = 0
+    rejected: int = 0
 
 
 class Stepper:
@@ -77,7 +78,6 @@ class Stepper:
         self.trial = new_state(system, self.relative, self.state)
         self.tried = new_instant(system, least_speed, least_acceleration)
         self.work = new_work(system, self.relative)
-        link(self.small, self.trial, self.work)
         self.meshes = [
             MeshStep(body, index, system.bodies, self.relative.place(index))
             for index, body in system.mesh_bodies.items()
@@ -86,6 +86,7 @@ class Stepper:
         self.policy = SolvePolicy(exact=exact)
         self.coefficients = instantaneous()
         self.last_iterations = 0
+        self.reason = kernels.CONVERGED  # why the last call of `advance` ended
         self._rho_inf = rho_inf
         self._tolerance = tolerance
         self._announce = announce
@@ -94,8 +95,14 @@ class Stepper:
 
     def set_step(self, h: float) -> None:
         """Prepare for steps of size h (s): matrices of all bodies, factorised once."""
-        if self.coefficients.h == h:
+        before = self.coefficients.h
+        if before == h:
             return
+        if before > 0.0:  # a = v̇ + (½ − γ) h v̈ + … belongs to its step
+            vectors = self.trial.vectors
+            vectors.a[:] = vectors.nud + h / before * (vectors.a - vectors.nud)
+            for mesh in self.meshes:
+                mesh.rescale(h / before)
         self.coefficients = generalized_alpha(h, self._rho_inf)
         c, work = self.coefficients, self.work
         self._condense(c)
@@ -109,9 +116,14 @@ class Stepper:
         """Compliances of Ritz bodies' own coordinates for a step."""
         elastic_compliances(self.small.bodies, c, self.work.elastic)
 
+    def link(self) -> None:
+        """Have the stages of the step compiled, or loaded; those that a second process compiles are waited for."""
+        ahead.finish(self._announce)
+        link(self.small, self.trial, self.work)
+
     def start_accelerations(self, t: float) -> None:
         """True accelerations and liaison forces of the present state (Eq. T10), the algorithmic ones set equal."""
-        ahead.finish(self._announce)
+        self.link()
         self._alike = 0
         c = instantaneous()
         state, work, vectors = self.state, self.work, self.trial.vectors
@@ -145,8 +157,10 @@ class Stepper:
     def advance(self, t: float, steps: int) -> int:
         """Up to `steps` steps of the prepared size from time t; returns how many were done.
 
-        Fewer means that the iteration of the next one did not converge; the state is that of the last good step.
+        Fewer have a `reason`: the iteration of the next did not converge, or, where a `bound` is set, the next would have
+        made too large a local error, or they could be longer. The state is that of the last good step.
         """
+        self.reason = kernels.CONVERGED
         if self.meshes:
             threads = numba.get_num_threads()
             if not any(mesh.threaded for mesh in self.meshes):
@@ -157,13 +171,23 @@ class Stepper:
                 numba.set_num_threads(threads)
             self._ended(t, done, steps)
             return done
-        _, done, corrections = self._kernel(kernels.WHOLE_STEPS, self.coefficients, t, steps)
+        self.reason, done, corrections = self._kernel(kernels.WHOLE_STEPS, self.coefficients, t, steps)
         self.counts.steps += done
         self.counts.corrections += corrections
         self.last_iterations = round(corrections / done) if done else corrections
         self._alike += done
         self._ended(t, done, steps)
         return int(done)
+
+    def bound(self, error: float) -> None:
+        """The local error that a step may make, over the mechanism's size; 0 to accept whatever it is."""
+        self.work.numbers[BOUND] = error
+        self.work.flags[CALM] = 0
+
+    @property
+    def error(self) -> float:
+        """The local error of the last step over the mechanism's size, where there is a bound."""
+        return float(self.work.numbers[ERROR])
 
     def _ended(self, t: float, done: int, steps: int) -> None:
         """After `done` of `steps` steps from time t: renew `state`, and keep what a step that failed has tried."""
@@ -192,6 +216,9 @@ class Stepper:
         for k in range(steps):
             if not self._mesh_step(t + (k + 1) * self.coefficients.h):
                 return k
+            if self.work.numbers[BOUND] > 0.0 and self.work.flags[CALM] >= kernels.CALM_STEPS:
+                self.reason = kernels.COULD_BE_LONGER
+                return k + 1
         return steps
 
     def _mesh_step(self, t: float) -> bool:
@@ -200,6 +227,10 @@ class Stepper:
         for mesh in self.meshes:
             mesh.predict(c, float(self._alike > 0))
         if not self._converge(c, t, exact=self.policy.exact):
+            self.reason = kernels.NOT_CONVERGED
+            return False
+        if not self._accurate(c):
+            self.reason = kernels.TOO_LARGE
             return False
         self.policy.accepted()
         self._phase(kernels.ACCEPT, c, t)
@@ -213,6 +244,17 @@ class Stepper:
             mesh.write_small(self.trial.accepted, self.trial.vectors)
         self._alike += 1
         return True
+
+    def _accurate(self, c: GeneralizedAlpha) -> bool:
+        """Whether a step of a mechanism with meshes makes no larger local error than it may."""
+        numbers, flags = self.work.numbers, self.work.flags
+        if numbers[BOUND] == 0.0:
+            return True
+        factor = abs(c.beta + 0.5 * (0.5 - c.gamma) - 1.0 / 6.0) * c.h**2 / self.system.size
+        of_meshes = factor * max(mesh.jump() for mesh in self.meshes)
+        numbers[ERROR] = max(kernels.local_error(self.small, c, self.trial), of_meshes)
+        flags[CALM] = flags[CALM] + 1 if numbers[ERROR] <= kernels.TWICE * numbers[BOUND] else 0
+        return bool(numbers[ERROR] <= numbers[BOUND])
 
     def _converge(self, c: GeneralizedAlpha, t: float, exact: bool) -> bool:
         """Residual, back-substitution and the small system's iteration, as often as the policy asks."""

@@ -15,12 +15,14 @@ from maggi.projection.tree_tables import JointPoses, Tree, TreeWork
 EVALUATE, REFRESH, CORRECT, ACCEPT_STEP, PREDICT_STEP = 0, 1, 2, 3, 4
 PRESCRIBE, BLOCK_COMPLIANCES, BLOCK_FORCES, BLOCK_POWER, ROWS, LINKS = 5, 6, 7, 8, 9, 10
 
-# StepWork.flags: whether this is a step's first correction; order of the prediction.
-FIRST, ORDER = 0, 1
+# StepWork.flags: whether this is a step's first correction; order of the prediction; how many steps in a row could have been
+# twice as long.
+FIRST, ORDER, CALM = 0, 1, 2
 
 # StepWork.numbers: sine of the smallest angle between rows; powers (W): that damping of meshed bodies takes, that prescribed
-# frames give, that damping of Ritz bodies takes.
-SINE, DISSIPATION, GIVEN_POWER, TAKEN_POWER = 0, 1, 2, 3
+# frames give, that damping of Ritz bodies takes; the local error that a step may make, 0 for steps of one size, and the one
+# that the last has made.
+SINE, DISSIPATION, GIVEN_POWER, TAKEN_POWER, BOUND, ERROR = 0, 1, 2, 3, 4, 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +84,7 @@ class StepVectors(Table):
     a, a_next, a_previous, a_older (m,): algorithmic accelerations. nu, nu_next, nud, nud_next (m,): velocities ν and their
     true rates. increment (m,): Δq of the step. multipliers, multipliers_next, multipliers_previous (r,): λ of closures.
     elastic (b, 2): the largest |e| and |ë| of each body lately. contraction (2,): of the iteration, and the
-    number of steps since it was last measured. error (2,): estimates of the last steps' local error, see `kernels.local_error`.
+    number of steps since it was last measured.
     """
 
     a: Array
@@ -99,7 +101,6 @@ class StepVectors(Table):
     multipliers_previous: Array
     elastic: Array
     contraction: Array
-    error: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +135,7 @@ class StepWork(Table):
     mesh bodies' increments already contain. position_force, velocity_force (m,): accumulated Aᵀπ, Aᵀκ.
     given (n,): forces Aᵀλ − Q on bodies; loads (n,): Q. stiffness, on_joints (m,): of springs on single free motions, and
     their forces. The rest are vectors of one iteration; product (n,), ritz (14, longest): room for kernels. method (6,): coefficients of the step;
-    flags (2,), numbers (4,): see above.
+    flags (3,), numbers (6,): see above.
     """
 
     tree: TreeWork
