@@ -32,7 +32,7 @@ def random_ode(seed, features, strategy):
 
 def rates_of_motion(system, before, after, dt):
     """Derivatives of origins, rotations, e and v by central differences, from states before and after by dt."""
-    return [(b - a) / (2.0 * dt) for a, b in zip(before[:4], after[:4], strict=True)]
+    return [(b - a) / (2.0 * dt) for a, b in list(zip(before, after, strict=True))[:4]]
 
 
 @settings(max_examples=20, suppress_health_check=list(HealthCheck))
