@@ -28,6 +28,15 @@ def closure_compliance(tree: Tree, bodies: BodyTable, W: Array, work: TreeWork, 
             continue
         s = node_start[node]
         k = node_start[node + 1] - s
+        if k == 1 and node < count:
+            for x in range(begin[node], begin[node + 1]):
+                value = columns[incidence[x, 1]] * inverse[s]
+                if value == 0.0:
+                    continue
+                o = start[incidence[x, 0]] - first[incidence[x, 0]]
+                for y in range(begin[node], x + 1):
+                    out[o + incidence[y, 0]] += value * columns[incidence[y, 1]]
+            continue
         for x in range(begin[node], begin[node + 1]):
             i = incidence[x, 0]
             p = incidence[x, 1]

@@ -54,6 +54,8 @@ def _eliminate(i: int, first: IntArray, start: IntArray, L: Array, pivot: Array)
     o = start[i] - first[i]
     diagonal = L[o + i]
     for j in range(first[i], i):
+        if pivot[j] == 0.0:
+            continue
         p = start[j] - first[j]
         value = L[o + j]
         for k in range(max(first[i], first[j]), j):
@@ -119,11 +121,14 @@ def solve(first: IntArray, start: IntArray, L: Array, pivot: Array, x: Array) ->
     """Solve Λ x = b in place, with the leading part of Λ where x is shorter; dependent rows get zero."""
     r = x.shape[0]
     for i in range(r):
+        if pivot[i] == 0.0:
+            x[i] = 0.0
+            continue
         o = start[i] - first[i]
         value = x[i]
         for j in range(first[i], i):
             value -= L[o + j] * x[j]
-        x[i] = value if pivot[i] > 0.0 else 0.0
+        x[i] = value
     for i in range(r):
         x[i] *= pivot[i]
     for i in range(r - 1, -1, -1):
