@@ -20,6 +20,7 @@ from maggi.stepping.stepper import Counts, Stepper
 from maggi.system.build import RecordedMotion, build_system, has_recorded_motion
 from maggi.system.system import System
 
+from .adaptive import AdaptiveSteps
 from .initial import initial_motion, set_velocities
 from .ode_run import OdeRun
 from .quasi_static import quasi_static_start
@@ -37,7 +38,7 @@ CHUNK_SECONDS = 0.1  # of compiled steps between two looks at progress and inter
 class RunSummary:
     """How a run went.
 
-    iterations : corrections of the small system. residuals (3,): the largest scaled liaison residuals of the stored
+    iterations : corrections of the small system. rejected : steps whose local error was too large. residuals (3,): the largest scaled liaison residuals of the stored
     rows. energy_balance : the largest |T + U + G + dissipated − work − start| over the energy exchanged; numerical_loss
     (J): the same at the end with its sign, what ρ∞ < 1 and the step's error have taken (positive) or given.
     """
@@ -47,6 +48,7 @@ class RunSummary:
     back_substitutions: int
     factorisations: int
     restarts: int
+    rejected: int
     residuals: Array
     energy_balance: float
     numerical_loss: float
@@ -243,7 +245,12 @@ class _Stepping:
         self.system, self.state, self.meshes = stepper.system, stepper.state, stepper.meshes
         self.counts = stepper.counts
         self._stepper = stepper
-        self._advance = _Advance(stepper, simulation)
+        self._adaptive = simulation.accuracy is not None
+        self._advance = (
+            _Advance(stepper, simulation)
+            if simulation.accuracy is None
+            else AdaptiveSteps(stepper, simulation.step, simulation.accuracy)
+        )
         self._chunk = 1
 
     @property
@@ -272,7 +279,10 @@ class _Stepping:
     def note(self) -> str:
         """See `March.note`."""
         per_step = self.counts.back_substitutions / max(1, self.counts.steps)
-        return f"{per_step:.2f} solves a step" if self.meshes else ""
+        parts = [f"{per_step:.2f} solves a step"] if self.meshes else []
+        if self._adaptive:
+            parts.append(f"steps of {self._stepper.coefficients.h:.2g} s")
+        return ", ".join(parts)
 
 
 class _Run:
@@ -366,6 +376,7 @@ class _Run:
             "tolerance": simulation.tolerance,
             "method": simulation.method,
             "start": simulation.start,
+            **({} if simulation.accuracy is None else {"accuracy": simulation.accuracy}),
         }
 
 
@@ -394,6 +405,7 @@ def _summary(
         counts.back_substitutions,
         counts.factorisations,
         counts.restarts,
+        counts.rejected,
         residuals,
         balance,
         loss,

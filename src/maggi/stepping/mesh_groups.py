@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from maggi.projection.tree_build import RelativeSystem
 from maggi.system.system import System
 
 from .condensation import Condensations
@@ -19,14 +20,14 @@ TOGETHER, FULL = 3, 8
 class MeshGroup:
     """The bodies of one likeness, and their back-substitutions."""
 
-    def __init__(self, system: System, indices: list[int]) -> None:
+    def __init__(self, system: System, relative: RelativeSystem, indices: list[int]) -> None:
         bodies = [system.mesh_bodies[index] for index in indices]
         self.shared = Condensations(bodies[0])
         count, size = len(bodies), bodies[0].size
         # a right side is a row; rows of zeros fill the last eight
         self._forces = np.zeros((count if count < TOGETHER else -(-count // FULL) * FULL, size))
         self.meshes = [
-            MeshStep(body, index, system.bodies, self.shared, force)
+            MeshStep(body, index, system.bodies, relative.place(index), self.shared, force)
             for body, index, force in zip(bodies, indices, self._forces, strict=False)
         ]
 
@@ -43,9 +44,9 @@ class MeshGroup:
             mesh.solution[:] = solutions[:, k]
 
 
-def mesh_groups(system: System) -> list[MeshGroup]:
+def mesh_groups(system: System, relative: RelativeSystem) -> list[MeshGroup]:
     """All full-mesh bodies of a system, those that are the same together, in the order of their first."""
     indices: dict[str, list[int]] = {}
     for index, body in system.mesh_bodies.items():
         indices.setdefault(body.likeness, []).append(index)
-    return [MeshGroup(system, members) for members in indices.values()]
+    return [MeshGroup(system, relative, members) for members in indices.values()]

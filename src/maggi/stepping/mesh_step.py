@@ -11,7 +11,15 @@ from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.vectors import cross
 
 from .condensation import Condensation, Condensations
-from .nodal_kernels import attachment_values, correct_nodal, frame_compliance, inner_product, predict_nodal
+from .nodal_kernels import (
+    attachment_values,
+    correct_nodal,
+    distance,
+    frame_compliance,
+    inner_product,
+    predict_nodal,
+)
+from .tables import StepVectors
 
 Array = NDArray[np.float64]
 
@@ -34,14 +42,17 @@ class MeshStep:
         body: MeshBody,
         index: int,
         table: BodyTable,
+        place: int,
         shared: Condensations | None = None,
         force: Array | None = None,
     ) -> None:
         self.body = body
         self.index = index
         self.shared = shared or Condensations(body)
-        self._start = int(table.offset[index])
-        self._end = int(table.offset[index + 1])
+        self._offset = int(table.offset[index])
+        width = int(table.offset[index + 1]) - self._offset
+        self._start, self._end = place, place + width  # in vectors of the step
+        self._elastic_part = slice(self._offset + 6, self._offset + width)  # in motions
         self._block = slice(int(table.block[index]), int(table.block[index + 1]))
         size = body.size
         self.u, self.ud, self.udd, self.a, self.a_previous = (np.zeros(size) for _ in range(5))
@@ -99,17 +110,18 @@ class MeshStep:
         Sets the frame's residual in `base`, and in W the frame's own block about the deformed shape, ``(σ J₆(c))⁻¹``,
         zero where the frame is prescribed.
         """
-        body, o = self.body, self._start
+        body, o = self.body, self._offset
         v, w = motion.v[o : o + 3], motion.v[o + 3 : o + 6]
         a_O = motion.vd[o : o + 3] + cross(w, v) - motion.rotation[self.index].T @ gravity
         S, J = body.inertia.residual(
             a_O, w, motion.vd[o + 3 : o + 6], self.u_next, self.ud_next, self.udd_next, self.force, self._frame
         )
-        base[o : o + 6] = self._frame
+        base[self._start : self._start + 6] = self._frame
         strained, d = self.u_next, body.damping
         if d.mass:
             body.inertia.multiply_mass(self.ud_next, self._scratch)
-            self.force += d.mass * self._scratch
+            self._scratch *= d.mass
+            self.force += self._scratch
         if d.stiffness:
             np.multiply(self.ud_next, d.stiffness, out=self._scratch)
             self._scratch += self.u_next
@@ -117,7 +129,7 @@ class MeshStep:
         self.shared.stiffness.add_product(strained, self.force)
         if body.floating:
             body.axes.project_forces(self.force)
-            width = self._end - o
+            width = self._end - self._start
             frame_compliance(c.sigma, body.inertia.mass, S, J, W[self._block].reshape(width, width))
 
     def respond(self, base: Array) -> None:
@@ -146,6 +158,14 @@ class MeshStep:
         self.correction = float(np.sqrt(self._sizes[:, 0].sum() / self.u.size))
         self.deflection = float(self._sizes[:, 1].max())
 
+    def jump(self) -> float:
+        """How much algorithmic accelerations change in the step, root mean square (m/s²): what its local error is of."""
+        return distance(self.a_next, self.a) / float(np.sqrt(self.a.size))
+
+    def rescale(self, ratio: float) -> None:
+        """Algorithmic accelerations for steps `ratio` times as long: a = v̇ + O(h)."""
+        self.a = self.udd + ratio * (self.a - self.udd)
+
     def accept(self) -> None:
         """Make the end of the step the present."""
         self.a_previous, self.a, self.a_next = self.a, self.a_next, self.a_previous
@@ -159,12 +179,17 @@ class MeshStep:
             self.body.axes.project(self.u)
             self.body.axes.project(self.ud)
 
-    def write_small(self, motion: MotionState, a: Array) -> None:
-        """The attachments' (d, θ), rates and accelerations as small coordinates of the present."""
+    def write_small(self, motion: MotionState, vectors: StepVectors) -> None:
+        """The attachments' (d, θ), rates and accelerations as elastic coordinates of the present."""
         part = slice(self._start + 6, self._end)
         B = self.body.B
-        for field, target in ((self.u, motion.e), (self.ud, motion.v), (self.udd, motion.vd), (self.a, a)):
-            attachment_values(B.indptr, B.indices, B.data, 1.0, field, target[part])
+        for field, target in (
+            (self.u, motion.e[self._elastic_part]),
+            (self.ud, vectors.nu[part]),
+            (self.udd, vectors.nud[part]),
+            (self.a, vectors.a[part]),
+        ):
+            attachment_values(B.indptr, B.indices, B.data, 1.0, field, target)
 
     # energies of the present
 
@@ -185,7 +210,7 @@ class MeshStep:
 
     def energies(self, motion: MotionState, gravity: Array) -> tuple[float, float, float]:
         """Kinetic, strain and gravity energy (J) now."""
-        o = self._start
+        o = self._offset
         inertia = self.body.inertia
         kinetic = inertia.kinetic_energy(motion.v[o : o + 3], motion.v[o + 3 : o + 6], self.u, self.ud)
         self._scratch[:] = 0.0

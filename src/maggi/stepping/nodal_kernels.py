@@ -112,6 +112,15 @@ def inner_product(x: Array, y: Array) -> float:
 
 
 @njit(cache=True)
+def distance(x: Array, y: Array) -> float:
+    """|x − y|, in one order."""
+    total = 0.0
+    for i in range(x.size):
+        total += (x[i] - y[i]) * (x[i] - y[i])
+    return float(np.sqrt(total))
+
+
+@njit(cache=True)
 def frame_compliance(sigma: float, mass: float, S: Array, J: Array, out: Array) -> None:
     """``(σ J₆)⁻¹``, J₆ = [[m I, −S̃], [S̃, J]], into out (6, 6): by the inertia about the centre of mass, s = S/m."""
     s0, s1, s2 = S[0] / mass, S[1] / mass, S[2] / mass
