@@ -24,7 +24,7 @@ from .allocate import elastic_compliances, geometric_metric, new_instant, new_st
 from .failures import almost_flat, why_undefined
 from .instant_kernels import show, to_model
 from .linking import link
-from .mesh_step import MeshStep
+from .mesh_groups import mesh_groups
 from .policy import MOST, SolvePolicy
 from .tables import BOUND, CALM, DISSIPATION, ERROR, ORDER
 
@@ -78,10 +78,8 @@ class Stepper:
         self.trial = new_state(system, self.relative, self.state)
         self.tried = new_instant(system, least_speed, least_acceleration)
         self.work = new_work(system, self.relative)
-        self.meshes = [
-            MeshStep(body, index, system.bodies, self.relative.place(index))
-            for index, body in system.mesh_bodies.items()
-        ]
+        self.mesh_groups = mesh_groups(system, self.relative)
+        self.meshes = sorted((m for group in self.mesh_groups for m in group.meshes), key=lambda mesh: mesh.index)
         self.counts = Counts()
         self.policy = SolvePolicy(exact=exact)
         self.coefficients = instantaneous()
@@ -107,7 +105,8 @@ class Stepper:
         c, work = self.coefficients, self.work
         self._condense(c)
         for mesh in self.meshes:
-            self._announce(f"factorising {mesh.body.name} ({mesh.body.size:,} freedoms)")
+            if not mesh.shared.has(c):
+                self._announce(f"factorising {mesh.body.name} ({mesh.body.size:,} freedoms)")
             self.counts.factorisations += mesh.prepare(c, work.W, work.W_Z, work.W_D)
         self.policy.restart()
         self._alike = 0
@@ -263,8 +262,11 @@ class Stepper:
         sizes: list[float] = []
         while True:
             for mesh in self.meshes:
-                mesh.solve_free(c, motion, gravity, work.base)
-                mesh.frame_compliance(c, work.W)
+                mesh.residual(c, motion, gravity, work.base, work.W)
+            for group in self.mesh_groups:
+                group.solve()
+            for mesh in self.meshes:
+                mesh.respond(work.base)
             self.counts.back_substitutions += bool(self.meshes)
             reason, corrections = self._phase(kernels.ITERATE, c, t)
             self.counts.corrections += corrections
@@ -290,7 +292,7 @@ class Stepper:
             return sizes[-1] <= 1e-12 * scale or (len(sizes) >= 4 and sizes[-1] >= 0.5 * sizes[-2])
         reach = 1.0 / (c.beta * c.h**2)
         allowed = self._tolerance * min(FORCE_SHARE * scale, self.system.size * reach)
-        deflection = max(float(np.abs(mesh.u_next).max()) for mesh in self.meshes)
+        deflection = max(mesh.deflection for mesh in self.meshes)
         # round-off of accelerations, of displacements, and of the joints' positions, to which a stiff body answers
         floor = max(1e-13 * scale, 1e-13 * deflection * reach, 1e-15 * self.system.size * reach)
         if exact and sizes[-1] <= floor:

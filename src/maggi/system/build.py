@@ -153,7 +153,7 @@ class _Builder:
         mesh = self._meshes.get(name)
         if mesh is None:
             self._announce(f"assembling {name}")
-            mesh = self._meshes[name] = build_mesh_body(name, body, self._model.folder)
+            mesh = self._meshes[name] = build_mesh_body(name, body, self._model.folder, self._meshes.values())
         motion = body.motion
         pose = initial_pose(body.pose, motion if isinstance(motion, GivenMotion) else None)
         reduced = self._reduce(name, body, mesh)
