@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from maggi.analyses.adaptive import AdaptiveSteps
 from maggi.analyses.transient import prepare, run
 from maggi.model.attachments import Attachment, NamedSet
 from maggi.model.bodies import ElasticBody, RigidBody
 from maggi.model.expression import expression
 from maggi.model.forces import PointLoad
 from maggi.model.joints import End, Joint
-from maggi.model.materials import Material
+from maggi.model.materials import Damping, Material
 from maggi.model.meshes import BoxMesh
 from maggi.model.model import Model
 from maggi.model.simulation import Simulation
 from maggi.results.memory import MemoryRecorder
 
 INERTIA = ((1e-3, 0.0, 0.0), (0.0, 0.02, 0.0), (0.0, 0.0, 0.02))
-# a blow of 0.4 N s in 2 ms, half a second into the run: 1 − cos, which is smooth
-BLOW = "100*(1 - cos(2*pi*(t - 0.5)/0.004))*(min(1, max(0, (t - 0.5)*1e9)))*(min(1, max(0, (0.504 - t)*1e9)))"
+# a blow of 0.2 N s in 3 ms, half a second into the run
+BLOW = "100*sin(pi*min(1, max(0, (t - 0.5003)/0.0031)))"
 
 
 def struck(simulation: Simulation) -> Model:
@@ -59,11 +59,11 @@ def test_a_short_blow_takes_a_third_of_the_steps_for_the_same_error(reference: f
     _, adaptive, summary = angle(struck(auto(1e-7)))
     error = abs(adaptive[-1] - reference)
     assert summary.rejected > 0
-    # the fixed step that makes the same error, by the method's order from one that is known
-    h = 2e-4
-    fixed = abs(angle(struck(Simulation(1.0, h)))[1][-1] - reference)
-    needed = 1.0 / (h * math.sqrt(error / fixed))
-    assert needed >= 3.0 * summary.steps
+    # steps of one size by halves until they are as accurate
+    h = 4e-3
+    while abs(angle(struck(Simulation(1.0, h)))[1][-1] - reference) > error:
+        h /= 2.0
+    assert 1.0 / h >= 3.0 * (summary.steps + summary.rejected)
 
 
 def test_the_error_follows_the_accuracy(reference: float) -> None:
@@ -90,24 +90,26 @@ def test_steps_of_one_size_come_out_as_without_an_accuracy() -> None:
     assert loose[2].rejected == 0 and loose[2].steps == 20
 
 
+def test_a_blow_between_two_nominal_steps_is_not_missed(reference: float) -> None:
+    """All is at rest at both ends of the nominal step that the blow, a fifth of it, falls into."""
+    _, found, _ = angle(struck(auto(1e-6, 0.02)))
+    assert abs(found[-1] - reference) < 1e-3
+
+
 @pytest.mark.slow
 def test_a_mesh_is_factorised_once_for_each_size_of_step() -> None:
     """Going back to a size that is kept costs no factorisation."""
     bar = ElasticBody(
         BoxMesh((0.5, 0.05, 0.05), (10, 1, 1), "hex8"),
-        Material(1000.0, 1e8, 0.3),
+        Material(1000.0, 1e8, 0.3, Damping(stiffness=2e-2)),
         attachments={"root": Attachment(nodes=NamedSet("x_min")), "tip": Attachment(nodes=NamedSet("x_max"))},
     )
-    nothing = expression(0.0)
+    blows = expression("2*exp(-((t - 0.1)/0.01)**2) + 2*exp(-((t - 0.4)/0.01)**2)")
     model = Model(
         bodies={"bar": bar},
         joints={"hinge": Joint("revolute", End("ground"), End("bar", "root"), axis=(0.0, 1.0, 0.0))},
-        forces={
-            "blow": PointLoad(
-                End("bar", "tip"), "force", (nothing, nothing, expression("20*exp(-((t - 0.1)/0.004)**2)"))
-            )
-        },
-        simulation=Simulation(0.2, 4e-3, accuracy=1e-5),
+        forces={"blow": PointLoad(End("bar", "tip"), "force", (expression(0.0), expression(0.0), blows))},
+        simulation=Simulation(0.6, 4e-3, accuracy=2e-6),
     )
     stepper, _, _, _ = prepare(model)
     sizes: list[float] = []
@@ -118,11 +120,9 @@ def test_a_mesh_is_factorised_once_for_each_size_of_step() -> None:
         set_step(h)
 
     stepper.set_step = counted  # type: ignore[method-assign]
-    from maggi.analyses.adaptive import AdaptiveSteps
-
-    steps = AdaptiveSteps(stepper, 4e-3, 1e-5)
-    for k in range(50):
+    steps = AdaptiveSteps(stepper, 4e-3, 2e-6)
+    for k in range(150):
         steps.steps(k, 1)
-    assert len(set(sizes)) >= 2
-    assert len(sizes) > len(set(sizes))
+    assert 2 <= len(set(sizes)) <= 3
+    assert len(sizes) >= 2 * len(set(sizes))
     assert stepper.counts.factorisations == len(set(sizes))

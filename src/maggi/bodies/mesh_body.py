@@ -141,9 +141,7 @@ def build_mesh_body(name: str, body: ElasticBody, folder: str, others: Iterable[
     )
 
 
-def _beam_body(
-    name: str, body: ElasticBody, source: BeamMesh, mesh: Mesh, others: Iterable[MeshBody]
-) -> MeshBody:
+def _beam_body(name: str, body: ElasticBody, source: BeamMesh, mesh: Mesh, others: Iterable[MeshBody]) -> MeshBody:
     path = f"bodies.{name}"
     if body.material is None:
         raise ModelError("a beam needs a material", path=path, remedy="add `material:` with the name of one")
@@ -218,9 +216,7 @@ def _finish(
     )
 
 
-def _likeness(
-    mesh: Mesh, materials: object, damping: Damping, couplings: list[Coupling], floating: bool
-) -> str:
+def _likeness(mesh: Mesh, materials: object, damping: Damping, couplings: list[Coupling], floating: bool) -> str:
     """A digest of all that the matrices of a body follow from, by value."""
     digest = hashlib.sha256()
 

@@ -8,6 +8,7 @@ threads. Nothing is allocated. Steps use `SymmetricBlocks`, which reads half of 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numba
 import numpy as np
@@ -83,9 +84,7 @@ class SymmetricBlocks:
             raise ValueError("the matrix lacks diagonal blocks")
         starts = np.searchsorted(indptr, np.linspace(0, indptr[-1], parts + 1)).astype(np.int64)
         starts[0], starts[-1] = 0, n
-        ends = np.array(
-            [indices[indptr[a] : indptr[b]].max(initial=a - 1) + 1 for a, b in zip(starts, starts[1:], strict=False)]
-        )
+        ends = np.array([indices[indptr[a] : indptr[b]].max(initial=a - 1) + 1 for a, b in pairwise(starts)])
         return SymmetricBlocks(indptr, indices, blocks, starts, ends.astype(np.int64), np.empty((parts, n, 3)))
 
     def add_product(self, x: Array, out: Array) -> None:

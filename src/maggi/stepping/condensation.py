@@ -105,9 +105,7 @@ class Condensations:
         """Before another is made, which will be about as large as the last."""
         kept = self._kept
         last = next(reversed(kept.values())).nbytes if kept else 0
-        while len(kept) >= KEPT or (
-            len(kept) >= 2 and sum(one.nbytes for one in kept.values()) + last > KEPT_BYTES
-        ):
+        while len(kept) >= KEPT or (len(kept) >= 2 and sum(one.nbytes for one in kept.values()) + last > KEPT_BYTES):
             del kept[next(iter(kept))]
 
     def _weights(self, c: GeneralizedAlpha) -> tuple[float, float]:

@@ -595,7 +595,7 @@ def local_error(small: SmallSystem, c: GeneralizedAlpha, state: StepState) -> fl
         x = abs(a_next[i] - a[i]) * (size[i] if size[i] > 0.0 else 1.0)
         if not (x <= largest):
             largest = x
-    return abs(c.beta + 0.5 * (0.5 - c.gamma) - 1.0 / 6.0) * c.h * c.h * largest / state.scales[0]
+    return float(abs(c.beta + 0.5 * (0.5 - c.gamma) - 1.0 / 6.0) * c.h * c.h * largest / state.scales[0])
 
 
 @njit(cache=True, error_model="numpy")
