@@ -166,6 +166,8 @@ def set_velocities(system: System, motion: MotionState, notes: list[str]) -> Non
     G, g, owners = _given(system, motion, moving)
     G, g = np.vstack([G, np.eye(moving.size)[moving.size - rates.size :]]), np.concatenate([g, rates])
     owners += [_owner(system, int(c)) for c in given_rates]
+    if not b.any() and not g.any():
+        return  # at rest: no kinetic energy is less
     scale = velocity_scale(system)[moving]
     M = dense_mass(system, motion)[np.ix_(moving, moving)]
     together = project(np.vstack([A, G]), scale)

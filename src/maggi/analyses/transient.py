@@ -22,7 +22,6 @@ from maggi.system.system import System
 
 from .adaptive import AdaptiveSteps
 from .initial import initial_motion, set_velocities
-from .ode_run import OdeRun
 from .quasi_static import quasi_static_start
 from .recorder import Progress, Recorder
 from .snapshot import Present, Snapshots, layout
@@ -338,6 +337,8 @@ class _Run:
             return stepping
         system = _built(self._model, self._progress, timings, dense=True)
         clock = time.perf_counter()
+        from .ode_run import OdeRun  # not at the start of every run: it brings much along
+
         run = OdeRun(system, simulation, notes, self._progress.stage)
         timings["start"] = time.perf_counter() - clock
         return run
