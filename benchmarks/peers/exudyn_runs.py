@@ -40,12 +40,13 @@ def load() -> ModuleType | None:
 class Settings:
     """How the equations are solved. `solver`: a `LinearSolverType`; `method`: a `DynamicSolverType`.
 
-    modified : keep the Jacobian as long as the iteration contracts. The tolerances are Exudyn's defaults, and the
-    relative one is ours too.
+    modified : keep the Jacobian as long as the iteration contracts. redundant : go on where it is singular. The
+    tolerances are Exudyn's defaults, and the relative one is ours too.
     """
 
     solver: str = "EigenSparse"
     modified: bool = True
+    redundant: bool = False
     method: str = "GeneralizedAlpha"
     rho_inf: float = 0.9
     tolerance: float = 1e-8
@@ -116,6 +117,7 @@ class Peer:
         time.newton.relativeTolerance = chosen.tolerance
         options.linearSolver.solverType = getattr(exudyn.LinearSolverType, chosen.solver)
         options.linearSolver.reuseAnalyzedPattern = True
+        options.linearSolver.ignoreSingularJacobian = chosen.redundant
         options.solution.file.write = options.solution.sensors.active = False
         options.parallel.numberOfThreads = 1
         return options
