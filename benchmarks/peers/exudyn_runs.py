@@ -73,18 +73,21 @@ class Peer:
     mbs: Any
     point: Callable[[], Array]
     settings: Settings = Settings()
+    sensor: Any = None  # stores the point's path where a run asks for it
     iterations: float = 0.0  # Newton iterations of a step in the last run
     jacobians: float = 0.0
 
-    def run(self, h: float, steps: int) -> float:
+    def run(self, h: float, steps: int, every: int = 0) -> float:
         """Seconds of a step (s) of the run from t = 0; setting up the solver does not count.
 
-        Raises RuntimeError where Exudyn fails.
+        every : keep the point after every so many steps for `path`. Raises RuntimeError where Exudyn fails.
         """
         exudyn = load()
         assert exudyn is not None
         chosen = self.settings
         options = self._options(exudyn, h, steps)
+        options.solution.sensors.active = every > 0
+        options.solution.sensors.writePeriod = every * h
         implicit = chosen.method in ("GeneralizedAlpha", "TrapezoidalIndex2")
         solver = exudyn.MainSolverImplicitSecondOrder() if implicit else exudyn.MainSolverExplicit()
         done = False
@@ -104,6 +107,10 @@ class Peer:
         self.jacobians = solver.it.newtonJacobiCount / steps
         return seconds / steps
 
+    def path(self) -> Array:
+        """The point's positions (k, 3) at the start and after every so many steps of the last run that kept them."""
+        return np.array(self.mbs.GetSensorStoredData(self.sensor))[:, 1:4]
+
     def _options(self, exudyn: ModuleType, h: float, steps: int) -> Any:
         chosen = self.settings
         options = exudyn.SimulationSettings()
@@ -118,7 +125,7 @@ class Peer:
         options.linearSolver.solverType = getattr(exudyn.LinearSolverType, chosen.solver)
         options.linearSolver.reuseAnalyzedPattern = True
         options.linearSolver.ignoreSingularJacobian = chosen.redundant
-        options.solution.file.write = options.solution.sensors.active = False
+        options.solution.file.write = False
         options.parallel.numberOfThreads = 1
         return options
 
