@@ -88,7 +88,7 @@ class Peer:
         options = self._options(exudyn, h, steps)
         options.solution.sensors.active = every > 0
         options.solution.sensors.writePeriod = every * h
-        implicit = chosen.method in ("GeneralizedAlpha", "TrapezoidalIndex2")
+        implicit = chosen.method == "GeneralizedAlpha"
         solver = exudyn.MainSolverImplicitSecondOrder() if implicit else exudyn.MainSolverExplicit()
         done = False
 
