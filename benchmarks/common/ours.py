@@ -17,19 +17,29 @@ Array = NDArray[np.float64]
 
 
 class Ours:
-    """A model in steps of h (s). `clock` times it: processor time, or wall time where threads work."""
+    """A model in steps of h (s). `clock` times it: processor time, or wall time where threads work.
 
-    def __init__(self, model: Model, h: float, clock: Callable[[Callable[[], object]], float] = cpu_seconds) -> None:
+    exact : iterate every step to round-off.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        h: float,
+        clock: Callable[[Callable[[], object]], float] = cpu_seconds,
+        *,
+        exact: bool = False,
+    ) -> None:
         assert model.simulation is not None
         self.model = replace(model, simulation=replace(model.simulation, step=h))
         self.h = h
         self.iterations = 0.0  # corrections of the small system in a step of the last `advance`
-        self._clock = clock
+        self._clock, self._exact = clock, exact
         self.restart()
 
     def restart(self) -> None:
         """Back to t = 0, ready to step."""
-        self.stepper, _, _, _ = prepare(self.model)
+        self.stepper, _, _, _ = prepare(self.model, exact=self._exact)
         self.stepper.set_step(self.h)
         self._done = 0
 

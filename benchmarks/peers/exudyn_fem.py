@@ -17,12 +17,12 @@ GRAVITY = [0.0, -9.81, 0.0]
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """What Exudyn needs of a body: nodes (n, 3), M and K (3n, 3n), the node numbers of the hinge, that of the tip."""
+    """What Exudyn needs of a body: nodes (n, 3), M and K (3n, 3n), the nodes of each place held, the node at the tip."""
 
     nodes: Array
     mass: sp.csr_matrix
     stiffness: sp.csr_matrix
-    hinge: NDArray[np.int64]
+    held: tuple[NDArray[np.int64], ...]
     tip: int
 
 
@@ -42,12 +42,13 @@ def reduced_rod(mesh: Mesh, modes: Array, node: str = "RotationRxyz") -> Peer:
 
 
 def full_rod(mesh: Mesh) -> Peer:
-    """`ObjectFFRF` with its Tisserand frame; gravity by the nodes' shares of the mass.
+    """`ObjectFFRF` with its Tisserand frame; a ball joint in the mean of the nodes of each place held.
 
-    (A load in proportion to mass does not move an `ObjectFFRF` whose frame is off its centre of mass.)
+    Gravity by the nodes' shares of the mass: a load in proportion to mass does not move an `ObjectFFRF` whose frame is
+    off its centre of mass. Joints that hold rotations cannot act on it.
     """
     from exudyn.FEM import ObjectFFRFinterface
-    from exudyn.utilities import Force, MarkerSuperElementPosition
+    from exudyn.utilities import Force, MarkerBodyPosition, MarkerSuperElementPosition, ObjectGround, SphericalJoint
 
     exudyn: Any = load()
     mbs = exudyn.SystemContainer().AddSystem()
@@ -58,7 +59,11 @@ def full_rod(mesh: Mesh) -> Peer:
     everywhere = list(range(len(mesh.nodes)))
     all_nodes = MarkerSuperElementPosition(bodyNumber=body, meshNodeNumbers=everywhere, weightingFactors=weights)
     mbs.AddLoad(Force(markerNumber=mbs.AddMarker(all_nodes), loadVector=list(shares.sum() * np.array(GRAVITY))))
-    _hinge(mbs, body, mesh)
+    for nodes in mesh.held:
+        ground = mbs.AddObject(ObjectGround(referencePosition=list(mesh.nodes[nodes].mean(axis=0))))
+        fixed = mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground))
+        held = mbs.AddMarker(MarkerSuperElementPosition(bodyNumber=body, **_mean(nodes)))
+        mbs.AddObject(SphericalJoint(markerNumbers=[fixed, held]))
     mbs.Assemble()
     return _peer("ObjectFFRF", mbs, body, mesh)
 
@@ -73,17 +78,17 @@ def _interface(mesh: Mesh, modes: Array) -> Any:
     return fem
 
 
+def _mean(nodes: NDArray[np.int64]) -> dict[str, Any]:
+    return {"meshNodeNumbers": [int(node) for node in nodes], "weightingFactors": [1.0 / len(nodes)] * len(nodes)}
+
+
 def _hinge(mbs: Any, body: Any, mesh: Mesh) -> None:
-    """A full 3-D revolute between ground and the mean of the hinge's nodes."""
+    """A full 3-D revolute between ground and the mean of the nodes held."""
     from exudyn.utilities import MarkerBodyRigid, MarkerSuperElementRigid, ObjectGround, ObjectJointRevoluteZ
 
-    count = len(mesh.hinge)
-    nodes = [int(node) for node in mesh.hinge]
-    held = mbs.AddMarker(
-        MarkerSuperElementRigid(bodyNumber=body, meshNodeNumbers=nodes, weightingFactors=[1.0 / count] * count)
-    )
-    place = list(mesh.nodes[mesh.hinge].mean(axis=0))
-    ground = mbs.AddObject(ObjectGround(referencePosition=place))
+    (nodes,) = mesh.held
+    held = mbs.AddMarker(MarkerSuperElementRigid(bodyNumber=body, **_mean(nodes)))
+    ground = mbs.AddObject(ObjectGround(referencePosition=list(mesh.nodes[nodes].mean(axis=0))))
     fixed = mbs.AddMarker(MarkerBodyRigid(bodyNumber=ground))
     mbs.AddObject(ObjectJointRevoluteZ(markerNumbers=[fixed, held]))
 
