@@ -11,13 +11,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+
 from common.bars import BAR_STEP, CRANK_STEP, cells_for, hinged_bars, slider_crank
 from common.ours import Ours
 from common.tables import Table, error, milli, times
 from common.targets import Target
 from common.timing import median, ratio, wall_seconds
-from numpy.typing import NDArray
-
 from maggi.elements.products import stiffness_product
 from maggi.model.model import Model
 
@@ -55,7 +55,9 @@ class Outcome:
     path: Array
 
 
-def simulate(case: Case, cells: tuple[int, int, int], cell: str, chunks: int, chunk: int, *, exact: bool = False) -> Outcome:
+def simulate(
+    case: Case, cells: tuple[int, int, int], cell: str, chunks: int, chunk: int, *, exact: bool = False
+) -> Outcome:
     """Run, timing chunks of steps and, in between, what bounds them."""
     ours = Ours(case.model(cells, cell), case.step, wall_seconds, exact=exact)
     mesh, counts = ours.stepper.meshes[0], ours.stepper.counts
@@ -92,7 +94,9 @@ def main() -> None:
         for cell in CELLS:
             for size in sizes:
                 measure(case, cell, size, chunks, chunk, table, checked=size == sizes[0])
-    table.note("Limit: one solve and two products with K. Residuals of the liaisons, scaled; the largest after any chunk.")
+    table.note(
+        "Limit: one solve and two products with K. Residuals of the liaisons, scaled; the largest after any chunk."
+    )
     table.note("Error of stopping early: of the followed point, over the length it has travelled, against the same run")
     table.note("iterated to round-off in every step.")
     table.show()

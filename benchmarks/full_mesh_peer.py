@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
+
 from common.ours import Ours
 from common.rod import LENGTH, exported, rod_on_two_balls, tip_of
 from common.tables import MISSING, Table, error, milli, times

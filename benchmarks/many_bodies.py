@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
+
 from common.bars import BAR_STEP, cells_for, hinged_bars
 from common.ours import Ours
 from common.tables import Table, milli, times
 from common.targets import Target
 from common.timing import in_turn, median, ratio, wall_seconds
-
 from maggi.elements.products import stiffness_product
 
 COUNTS = (1, 2, 4, 8)
@@ -33,9 +33,7 @@ def main() -> None:
     vector, out = random.standard_normal(mesh.body.size), np.empty(mesh.body.size)
     factor = mesh.constants.factor
     runs = {f"{count} bars": (lambda ours=ours: ours.advance(10)) for count, ours in bars.items()}
-    runs |= {
-        f"{count} sides": (lambda B=B: wall_seconds(lambda: factor.solve_many(B))) for count, B in columns.items()
-    }
+    runs |= {f"{count} sides": (lambda B=B: wall_seconds(lambda: factor.solve_many(B))) for count, B in columns.items()}
     runs["product"] = lambda: wall_seconds(lambda: stiffness_product(mesh.body.K, vector, out))
     for ours in bars.values():
         ours.advance(10)

@@ -11,11 +11,11 @@ import warnings
 from dataclasses import replace
 
 import numpy as np
-from common.bars import CRANK_STEP, cells_for, slider_crank
-from common.tables import MISSING, Table, error, micro
 from numpy.typing import NDArray
 
 import maggi
+from common.bars import CRANK_STEP, cells_for, slider_crank
+from common.tables import MISSING, Table, error, micro
 from maggi.model.bodies import CraigBampton
 from maggi.model.simulation import Outputs, Simulation
 from maggi.results.results import Results
@@ -26,7 +26,9 @@ MODES = (0, 1, 2, 4, 8, 16, 32)
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--long", action="store_true", help="30,000 freedoms, a turn and a half; else 5,000, half a turn")
+    parser.add_argument(
+        "--long", action="store_true", help="30,000 freedoms, a turn and a half; else 5,000, half a turn"
+    )
     given = parser.parse_args()
     cells = cells_for(30_000 if given.long else 5_000, "hex20")
     steps = 750 if given.long else 250
@@ -47,8 +49,17 @@ def main() -> None:
             f"{largest(force):.1f}",
             error(largest(force - pull) / largest(pull)),
         )
-    table.row("full mesh", f"{3 * len(whole.body('rod').nodes):,}", micro(largest(bent)), MISSING, f"{largest(pull):.1f}", MISSING)
-    table.note("Errors: the largest difference from the full mesh over the run, over the largest value there. Besides the")
+    table.row(
+        "full mesh",
+        f"{3 * len(whole.body('rod').nodes):,}",
+        micro(largest(bent)),
+        MISSING,
+        f"{largest(pull):.1f}",
+        MISSING,
+    )
+    table.note(
+        "Errors: the largest difference from the full mesh over the run, over the largest value there. Besides the"
+    )
     table.note("modes there are six static shapes of the two ends' relative motions.")
     table.show()
 

@@ -31,7 +31,12 @@ def rod(cells: tuple[int, int, int], cell: str, h: float, reduction: CraigBampto
     """The rod at rest and free of strain under gravity along −y; its hinge's face is rigid."""
     hinge = Joint("revolute", End("ground"), End("rod", "hinge"), axis=(0.0, 0.0, 1.0))
     face = Attachment(nodes=NamedSet("x_min"), coupling="rigid")
-    return _model(ElasticBody(BoxMesh((LENGTH, SIDE, SIDE), cells, cell), STEEL, reduction=reduction), {"hinge": face}, {"hinge": hinge}, h)
+    return _model(
+        ElasticBody(BoxMesh((LENGTH, SIDE, SIDE), cells, cell), STEEL, reduction=reduction),
+        {"hinge": face},
+        {"hinge": hinge},
+        h,
+    )
 
 
 def rod_on_two_balls(cells: tuple[int, int, int], cell: str, h: float) -> Model:
