@@ -1,15 +1,17 @@
-"""Writes requirements.txt and requirements-dev.txt: the versions installed here, with the hash of every usable wheel.
+"""Writes requirements.txt, requirements-dev.txt and requirements-bench.txt: versions with the hash of every usable wheel.
 
-    .venv/bin/python tools/pin.py
+    .venv/bin/python tools/pin.py [--bench]
 
 To renew the pins, install the wanted versions into .venv first. Names, versions and markers come from what is installed
-and from pyproject.toml; the hashes come from the package index that pip is set up to use, without downloading wheels.
+and from pyproject.toml, those of the benchmarks' peers, which are never installed there, from below (--bench renews them
+alone); the hashes come from the package index that pip is set up to use, without downloading wheels.
 The wheels listed are those for CPython 3.11 to 3.14 on every platform.
 """
 
 from __future__ import annotations
 
 import re
+import sys
 import tomllib
 from importlib import metadata
 from pathlib import Path
@@ -23,6 +25,8 @@ ROOT = Path(__file__).resolve().parent.parent
 BUILD_BACKEND = ["setuptools", "wheel"]
 # Needed on other platforms than the one that this runs on: name to version and marker.
 ELSEWHERE = {"colorama": ("0.4.6", 'sys_platform == "win32"')}
+# What the benchmarks compare with; needs nothing that maggi does not.
+PEERS = {"exudyn": "1.13.6"}
 INTERPRETERS = {"cp311", "cp312", "cp313", "cp314", "py3"}
 
 
@@ -75,15 +79,19 @@ def write(path: Path, head: str, pins: dict[str, str], collector: LinkCollector)
 
 
 def main() -> None:
-    """Writes both files."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    core = closure(project["dependencies"] + BUILD_BACKEND) | {name: pin[0] for name, pin in ELSEWHERE.items()}
-    everything = closure(project["dependencies"] + BUILD_BACKEND + project["optional-dependencies"]["dev"])
-    development = {name: version for name, version in everything.items() if name not in core}
+    """Writes all files, or that of the benchmarks alone."""
     command = create_command("download")
     options, _ = command.parse_args([])
     with command.main_context():
         collector = command._build_package_finder(options, command.get_default_session(options))._link_collector
+        head = "# Written by tools/pin.py: what the benchmarks compare with. Not everywhere to be had; see ./dev.\n"
+        write(ROOT / "requirements-bench.txt", head, PEERS, collector)
+        if sys.argv[1:] == ["--bench"]:
+            return
+        project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+        core = closure(project["dependencies"] + BUILD_BACKEND) | {name: pin[0] for name, pin in ELSEWHERE.items()}
+        everything = closure(project["dependencies"] + BUILD_BACKEND + project["optional-dependencies"]["dev"])
+        development = {name: version for name, version in everything.items() if name not in core}
         head = "# Written by tools/pin.py: what maggi runs on and is built with.\n"
         write(ROOT / "requirements.txt", head, core, collector)
         head = "# Written by tools/pin.py: what its tests and checks need besides.\n-r requirements.txt\n"

@@ -4,6 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from transient_runs import extrapolated, simulate
+
+from maggi.analyses.snapshot import Snapshots
+from maggi.analyses.transient import prepare
+from maggi.model import Simulation
+from maggi.modelfile import read
 from simeon_crank import (
     CONSISTENT,
     INTEGRATED,
@@ -19,12 +25,6 @@ from simeon_crank import (
     model,
     motion,
 )
-from transient_runs import extrapolated, simulate
-
-from maggi.analyses.snapshot import Snapshots
-from maggi.analyses.transient import prepare
-from maggi.model import Simulation
-from maggi.modelfile import read
 
 # At t = 0.1 s: φ₁, φ₂, x₃, q₁ … q₄ and λ, recomputed by extrapolation in long double from the case's equations
 # (CASES C1, 13 digits; they agree with the test set's own reference to the test set's 10).

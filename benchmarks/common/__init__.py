@@ -1,0 +1,1 @@
+"""What the benchmarks share: timing in turn, tables, targets, the machine."""

@@ -1,0 +1,130 @@
+"""A step of full-mesh bodies against the least that an implicit step can cost: one solve and two products with K.
+
+Both are measured in this process between chunks of steps. The hinged bar falls at h = 1 ms, the slider-crank turns with
+3000 rpm at h = 40 µs; each with quadratic tetrahedra and hexahedra.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.bars import BAR_STEP, CRANK_STEP, cells_for, hinged_bars, slider_crank
+from common.ours import Ours
+from common.tables import Table, error, milli, times
+from common.targets import Target
+from common.timing import median, ratio, wall_seconds
+from maggi.elements.products import stiffness_product
+from maggi.model.model import Model
+
+Array = NDArray[np.float64]
+TARGET = Target(1.3, at_most=True)
+CELLS = ("tet10", "hex20")
+
+
+@dataclass(frozen=True)
+class Case:
+    """A mechanism: model by cells and kind of cell, step (s), and the attachment whose path is compared."""
+
+    name: str
+    model: Callable[[tuple[int, int, int], str], Model]
+    step: float
+    point: tuple[str, str]
+
+
+CASES = (
+    Case("hinged bar", hinged_bars, BAR_STEP, ("bar0", "tip")),
+    Case("slider-crank", slider_crank, CRANK_STEP, ("rod", "small")),
+)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run showed: seconds (k,) a step, a solve, a product; per step; residuals (3,); the point's path (k, 3)."""
+
+    freedoms: int
+    step: Array
+    solve: Array
+    product: Array
+    substitutions: float
+    residuals: Array
+    path: Array
+
+
+def simulate(
+    case: Case, cells: tuple[int, int, int], cell: str, chunks: int, chunk: int, *, exact: bool = False
+) -> Outcome:
+    """Run, timing chunks of steps and, in between, what bounds them."""
+    ours = Ours(case.model(cells, cell), case.step, wall_seconds, exact=exact)
+    mesh, counts = ours.stepper.meshes[0], ours.stepper.counts
+    vector = np.random.default_rng(0).standard_normal(mesh.body.size)
+    out = np.empty_like(vector)
+    ours.advance(chunk)  # the first steps, in which the prediction finds its way, and whatever is still to be loaded
+    counted = counts.back_substitutions
+    step, solve, product, path, residuals = [], [], [], [], np.zeros(3)
+    for _ in range(chunks):
+        step.append(ours.advance(chunk))
+        solve.append(min(wall_seconds(lambda: mesh.constants.factor.solve(vector)) for _ in range(2)))
+        product.append(min(wall_seconds(lambda: stiffness_product(mesh.body.K, vector, out)) for _ in range(2)))
+        path.append(ours.position(*case.point))
+        residuals = np.maximum(residuals, ours.stepper.residuals())
+    substitutions = (counts.back_substitutions - counted) / (chunks * chunk)
+    return Outcome(
+        mesh.body.size, *(np.array(x) for x in (step, solve, product)), substitutions, residuals, np.array(path)
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--long", action="store_true", help="up to 300,000 freedoms, ten chunks of fifty steps")
+    parser.add_argument("--freedoms", type=int, nargs="+")
+    given = parser.parse_args()
+    sizes = given.freedoms or ((10_000, 30_000, 100_000, 300_000) if given.long else (10_000, 30_000))
+    chunks, chunk = (10, 50) if given.long else (5, 20)
+    table = Table(
+        "Full meshes: ms a step",
+        *("mechanism", "cells", "freedoms", "ours", "one solve", "one product", "limit", "ratio", "target", "reached"),
+        *("solves a step", "residuals x, v, a", "error of stopping early"),
+    )
+    for case in CASES:
+        for cell in CELLS:
+            for size in sizes:
+                measure(case, cell, size, chunks, chunk, table, checked=size == sizes[0])
+    table.note(
+        "Limit: one solve and two products with K. Residuals of the liaisons, scaled; the largest after any chunk."
+    )
+    table.note("Error of stopping early: of the followed point, over the length it has travelled, against the same run")
+    table.note("iterated to round-off in every step.")
+    table.show()
+
+
+def measure(case: Case, cell: str, size: int, chunks: int, chunk: int, table: Table, *, checked: bool) -> None:
+    """One line of the table. checked : run again without stopping early."""
+    cells = cells_for(size, cell)
+    run = simulate(case, cells, cell, chunks, chunk)
+    limit = run.solve + 2.0 * run.product
+    quotient = ratio(run.step, limit)
+    apart = None
+    if checked:
+        exact = simulate(case, cells, cell, chunks, chunk, exact=True)
+        travelled = np.linalg.norm(np.diff(exact.path, axis=0), axis=1).sum()
+        apart = float(np.linalg.norm(run.path - exact.path, axis=1).max() / travelled)
+    table.row(
+        case.name,
+        cell,
+        f"{run.freedoms:,}",
+        *(milli(median(values)) for values in (run.step, run.solve, run.product, limit)),
+        times(quotient),
+        *TARGET.cells(f"{case.name}, {cell}, {run.freedoms:,} freedoms: step over solve + 2 products", quotient),
+        f"{run.substitutions:.2f}",
+        ", ".join(error(float(value)) for value in run.residuals),
+        error(apart),
+    )
+
+
+if __name__ == "__main__":
+    main()

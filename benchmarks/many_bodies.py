@@ -1,0 +1,69 @@
+"""Several identical full-mesh bodies: a step's cost over that of one, and what their solves could cost together."""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+
+from common.bars import BAR_STEP, cells_for, hinged_bars
+from common.ours import Ours
+from common.tables import Table, milli, times
+from common.targets import Target
+from common.timing import in_turn, median, ratio, wall_seconds
+from maggi.elements.products import stiffness_product
+
+COUNTS = (1, 2, 4, 8)
+# the cost per step is linear in the bodies: none of them dearer than a single one
+LINEAR = Target(1.1, at_most=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--long", action="store_true", help="100,000 freedoms a body, nine rounds")
+    parser.add_argument("--freedoms", type=int)
+    given = parser.parse_args()
+    size = given.freedoms or (100_000 if given.long else 10_000)
+    rounds = 9 if given.long else 5
+    cells = cells_for(size, "tet10")
+    bars = {count: Ours(hinged_bars(cells, "tet10", count), BAR_STEP, wall_seconds) for count in COUNTS}
+    mesh = bars[1].stepper.meshes[0]
+    random = np.random.default_rng(0)
+    columns = {count: random.standard_normal((mesh.body.size, count)) for count in COUNTS}
+    vector, out = random.standard_normal(mesh.body.size), np.empty(mesh.body.size)
+    factor = mesh.constants.factor
+    runs = {f"{count} bars": (lambda ours=ours: ours.advance(10)) for count, ours in bars.items()}
+    runs |= {f"{count} sides": (lambda B=B: wall_seconds(lambda: factor.solve_many(B))) for count, B in columns.items()}
+    runs["product"] = lambda: wall_seconds(lambda: stiffness_product(mesh.body.K, vector, out))
+    for ours in bars.values():
+        ours.advance(10)
+    taken = in_turn(runs, rounds)
+    table = Table(
+        f"Identical hinged bars of {mesh.body.size:,} freedoms (tet10): ms a step",
+        *("bars", "ours", "a bar", "a bar over one alone", "target", "reached", "solves together", "solves over one"),
+        *("limit", "ratio", "factorisations", "solves a bar and step"),
+    )
+    for count, ours in bars.items():
+        step = taken[f"{count} bars"]
+        together = taken[f"{count} sides"]
+        limit = together + 2 * count * taken["product"]
+        each = ratio(step, count * taken["1 bars"])
+        table.row(
+            count,
+            milli(median(step)),
+            milli(median(step) / count),
+            times(each),
+            *LINEAR.cells(f"{count} bodies: cost of each over one alone", each),
+            milli(median(together)),
+            times(ratio(together, taken["1 sides"])),
+            milli(median(limit)),
+            times(ratio(step, limit)),
+            ours.stepper.counts.factorisations,
+            f"{ours.stepper.counts.back_substitutions / ours.stepper.counts.steps:.2f}",
+        )
+    table.note("Solves together: as many right sides with one factor. Limit: that, and two products with K a bar.")
+    table.show()
+
+
+if __name__ == "__main__":
+    main()

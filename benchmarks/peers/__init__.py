@@ -1,0 +1,1 @@
+"""Other programs, set up to run as fast as they can."""
