@@ -141,6 +141,13 @@ def move_blocks(small: SmallSystem, state: StepState) -> None:
             )
 
 
+@njit(cache=True, error_model="numpy")
+def has_forces(small: SmallSystem) -> bool:
+    """Whether there are springs or loads."""
+    tree = small.tree
+    return bool(tree.spring.shape[0] + tree.on_joint.shape[0] + small.forces.load_attachment.shape[0] > 0)
+
+
 @Link
 def evaluate(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
     """All bodies, and attachments, closures and applied forces, at the end of the step."""
@@ -162,12 +169,11 @@ def evaluate(small: SmallSystem, state: StepState, work: StepWork, t: float) -> 
             call3(small.links[PRESCRIBE], small, state, work, t)
     for x in range(tree.needed.shape[0]):
         move_attachment(bodies, tree.needed[x], motion, state.attachments)
-    if state.rows.coordinate.shape[0] > 0 or state.rows.position.shape[0] > 0:
+    if small.closures.measured.shape[0] > 0 or state.rows.position.shape[0] > 0:
         call5(small.links[ROWS], small.closures, bodies, motion, state.attachments, state.rows, t)
-    forces = small.forces
-    if tree.spring.shape[0] + tree.on_joint.shape[0] + forces.load_attachment.shape[0] > 0:
+    if has_forces(small):
         applied_forces(
-            forces, bodies, small.closures, motion, state.attachments, state.rows, t, work.loads, state.power
+            small.forces, bodies, small.closures, motion, state.attachments, state.rows, t, work.loads, state.power
         )
 
 
@@ -378,9 +384,10 @@ def correct(small: SmallSystem, state: StepState, work: StepWork, t: float) -> N
     r = work.pi.shape[0]
     q = phi.shape[0]
     m = delta.shape[0]
-    transpose_product(small.closures, bodies, rows.A, vectors.multipliers_next, work.given)
-    for i in range(work.given.shape[0]):
-        work.given[i] -= work.loads[i]
+    if r > 0 or has_forces(small):
+        transpose_product(small.closures, bodies, rows.A, vectors.multipliers_next, work.given)
+        for i in range(work.given.shape[0]):
+            work.given[i] -= work.loads[i]
     for i in range(m):
         delta[i] = 0.0
         force[i] = 0.0
@@ -451,6 +458,8 @@ def iterate(
         work.position_force[i] = 0.0
         work.velocity_force[i] = 0.0
     sine = 1.0  # of the smallest angle between rows
+    # joints of the tree hold by themselves: where there is nothing else, nobody need look at the state of the last correction
+    bare = state.rows.position.shape[0] + small.tree.block.shape[0] == 0 and not has_forces(small)
     for iteration in range(MAX_ITERATIONS + 1):
         call3(small.links[EVALUATE], small, state, work, t)
         worst, dropped = active_residuals(small.closures, state.rows, scales, work.pivot)
@@ -497,6 +506,9 @@ def iterate(
             if contraction > REFRESH_ABOVE:
                 renew = True
             rho[0] = min(contraction, 0.5)
+        if bare and (iteration > 0 or measured) and error * contraction <= 1.0 - contraction:
+            rho[1] = 0.0 if iteration > 0 else rho[1] + 1.0
+            return CONVERGED, iteration + 1
     return NOT_CONVERGED, MAX_ITERATIONS
 
 
