@@ -29,28 +29,39 @@ from .vectors import difference, row, scalar_product, total, turned_axis, vector
 
 
 @njit(cache=True, error_model="numpy")
-def offset_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> None:
-    """Φ = a·(p₂ − p₁) with the axis a of the first: `point_row` with N = a and no arm, written out for speed."""
-    j = table.row[i, ROW_JOINT]
+def offset_rows(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> int:
+    """Row i and those after it of the same kind and joint, Φ = a·(p₂ − p₁) with axes a of the first; returns the row after.
+
+    All are components of one relative motion, Φ̇ = a·[V − ω × D] and
+    Φ̈ = a·[A − 2 ω × V − ε × D + ω × (ω × D)].
+    """
+    row_table, rotation = table.row, attachments.rotation
+    j = row_table[i, ROW_JOINT]
     p, q = table.joint[j, 0], table.joint[j, 1]
     w = row(attachments.angular_velocity, p)
-    a = turned_axis(attachments.rotation, p, table.frame, j, 0, table.row[i, ROW_FIRST])
     D = difference(row(attachments.position, q), row(attachments.position, p))
     V = difference(row(attachments.velocity, q), row(attachments.velocity, p))
     A = difference(row(attachments.acceleration, q), row(attachments.acceleration, p))
-    turning = vector_product(w, a)
-    moment = vector_product(a, D)
-    out.position[i] = scalar_product(D, a)
-    out.velocity[i] = scalar_product(V, a) + scalar_product(D, turning)
-    value = scalar_product(A, a) + 2.0 * scalar_product(V, turning)
-    value += scalar_product(moment, row(attachments.angular_acceleration, p))
-    out.acceleration[i] = value + scalar_product(D, vector_product(w, turning))
-    e = table.end_start[i]
-    for l in range(3):
-        out.wrench[e, l] = -a[l]
-        out.wrench[e, 3 + l] = moment[l]
-        out.wrench[e + 1, l] = a[l]
-        out.wrench[e + 1, 3 + l] = 0.0
+    swept = vector_product(w, D)
+    rate = difference(V, swept)
+    # 2 ω × V − ω × (ω × D) = ω × (V + rate)
+    A = difference(A, vector_product(w, total(V, rate)))
+    A = difference(A, vector_product(row(attachments.angular_acceleration, p), D))
+    while i < row_table.shape[0] and row_table[i, ROW_KIND] == OFFSET and row_table[i, ROW_JOINT] == j:
+        out.rhs[i] = 0.0
+        a = turned_axis(rotation, p, table.frame, j, 0, row_table[i, ROW_FIRST])
+        moment = vector_product(a, D)
+        out.position[i] = scalar_product(D, a)
+        out.velocity[i] = scalar_product(rate, a)
+        out.acceleration[i] = scalar_product(A, a)
+        e = table.end_start[i]
+        for l in range(3):
+            out.wrench[e, l] = -a[l]
+            out.wrench[e, 3 + l] = moment[l]
+            out.wrench[e + 1, l] = a[l]
+            out.wrench[e + 1, 3 + l] = 0.0
+        i += 1
+    return i
 
 
 @njit(cache=True, error_model="numpy")
@@ -130,15 +141,18 @@ def evaluate_rows(
     joint_coordinates(table, attachments, out)
     if table.special[SPECIAL_COORDINATES] != 0:
         call3(table.special[SPECIAL_COORDINATES], table, attachments, out, t)
-    for i in range(table.row.shape[0]):
+    i = 0
+    while i < table.row.shape[0]:
         kind = table.row[i, ROW_KIND]
-        out.rhs[i] = 0.0
         if kind == OFFSET:
-            offset_row(table, attachments, i, out)
-        elif kind == PRODUCT or kind == TWIST:
+            i = offset_rows(table, attachments, i, out)
+            continue
+        out.rhs[i] = 0.0
+        if kind == PRODUCT or kind == TWIST:
             turn_row(table, attachments, i, out)
         elif kind == RELATION or kind == RATE_RELATION:
             relation_row(table, i, t, out)
+        i += 1
     if table.special[SPECIAL_ROWS] != 0:
         call3(table.special[SPECIAL_ROWS], table, attachments, out, t)
     on_bodies(table, bodies, state, attachments, out)

@@ -65,6 +65,7 @@ def new_state(system: System, relative: RelativeSystem, instant: Instant) -> Ste
         a_next=np.zeros(m),
         a_previous=np.zeros(m),
         a_older=np.zeros(m),
+        a_oldest=np.zeros(m),
         nu=np.zeros(m),
         nu_next=np.zeros(m),
         nud=np.zeros(m),

@@ -65,6 +65,7 @@ from .tables import (
 CONVERGED, NOT_CONVERGED, NOT_FINITE, TOO_LARGE, COULD_BE_LONGER = 0, 1, 2, 3, 4
 WHOLE_STEPS, PREDICT, ITERATE, ACCEPT = 0, 1, 2, 3
 MAX_ITERATIONS = 25
+HIGHEST_ORDER = 3  # of the polynomial that accelerations are predicted by
 REFRESH_ABOVE = 0.1  # contraction above which the iteration's matrices are made anew
 ROUND_OFF = 1e-12  # liaison residuals, relative to size, speed and acceleration
 STALLED = 1e-10  # accepted where round-off lets them fall no further
@@ -83,10 +84,11 @@ def coefficients(work: StepWork) -> GeneralizedAlpha:
 
 @Link
 def predict(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
-    """Accelerations extrapolated by a polynomial of the order asked for, 0 to 2, and the Newmark state that follows."""
+    """Accelerations extrapolated by a polynomial of the order asked for, 0 to 3, and the Newmark state that follows."""
     c, order = coefficients(work), work.flags[ORDER]
     vectors = state.vectors
     a, a_next, a_previous, a_older = vectors.a, vectors.a_next, vectors.a_previous, vectors.a_older
+    a_oldest = vectors.a_oldest
     nu, nu_next, nud, nud_next, increment = (
         vectors.nu,
         vectors.nu_next,
@@ -94,16 +96,18 @@ def predict(small: SmallSystem, state: StepState, work: StepWork, t: float) -> N
         vectors.nud_next,
         vectors.increment,
     )
-    f0, f1, f2 = 1.0, 0.0, 0.0
+    f0, f1, f2, f3 = 1.0, 0.0, 0.0, 0.0
     if order == 1:
         f0, f1 = 2.0, -1.0
-    elif order >= 2:
+    elif order == 2:
         f0, f1, f2 = 3.0, -3.0, 1.0
+    elif order >= 3:
+        f0, f1, f2, f3 = 4.0, -6.0, 4.0, -1.0
     x0, x1 = c.h * (1.0 - c.gamma), c.h * c.gamma
     y0, y1 = c.h * c.h * (0.5 - c.beta), c.h * c.h * c.beta
     z0, z1, z2 = (1.0 - c.alpha_m) / (1.0 - c.alpha_f), c.alpha_m / (1.0 - c.alpha_f), c.alpha_f / (1.0 - c.alpha_f)
     for i in range(a.shape[0]):
-        b = f0 * a[i] + f1 * a_previous[i] + f2 * a_older[i]
+        b = f0 * a[i] + f1 * a_previous[i] + f2 * a_older[i] + f3 * a_oldest[i]
         a_next[i] = b
         nud_next[i] = z0 * b + z1 * a[i] - z2 * nud[i]
         nu_next[i] = nu[i] + x0 * a[i] + x1 * b
@@ -540,8 +544,10 @@ def accept(small: SmallSystem, state: StepState, work: StepWork, t: float) -> No
             for j in range(3):
                 now.rotation[b, i, j] = motion.rotation[b, i, j]
     a, a_next, a_previous, a_older = vectors.a, vectors.a_next, vectors.a_previous, vectors.a_older
+    a_oldest = vectors.a_oldest
     nu, nu_next, nud, nud_next = vectors.nu, vectors.nu_next, vectors.nud, vectors.nud_next
     for i in range(a.shape[0]):
+        a_oldest[i] = a_older[i]
         a_older[i] = a_previous[i]
         a_previous[i] = a[i]
         a[i] = a_next[i]
@@ -624,7 +630,7 @@ def advance(
 
     phase: WHOLE_STEPS, or PREDICT, ITERATE, ACCEPT of a single step to t + h for mechanisms with meshed bodies,
     whose back-substitutions come between. By what polynomial the first step predicts is in `flags`; each that follows
-    takes one more, up to 2. With a BOUND the steps end where one makes a larger local error, which is not accepted, and
+    takes one more, up to HIGHEST_ORDER. With a BOUND the steps end where one makes a larger local error, which is not accepted, and
     where they could be twice as long.
     """
     bound = work.numbers[BOUND] if phase == WHOLE_STEPS else 0.0
@@ -638,7 +644,7 @@ def advance(
                 move_blocks(small, state)
                 if links[PRESCRIBE] != 0:
                     call3(links[PRESCRIBE], small, state, work, end)
-            work.flags[ORDER] = min(work.flags[ORDER] + 1, 2)
+            work.flags[ORDER] = min(work.flags[ORDER] + 1, HIGHEST_ORDER)
         if phase == WHOLE_STEPS or phase == ITERATE:
             reason, corrections = iterate(small, state, work, c, end, tolerance)
             total += corrections

@@ -206,7 +206,7 @@ class Stepper:
         """The compiled step on this system's tables and state; see `kernels.advance`."""
         work = self.work
         work.method[:] = c
-        work.flags[ORDER] = min(self._alike, 1 if self.meshes else 2)
+        work.flags[ORDER] = min(self._alike, 1 if self.meshes else kernels.HIGHEST_ORDER)
         work.numbers[DISSIPATION] = dissipation
         reason, done, corrections = kernels.advance(self.small, self.trial, work, phase, t, steps, self._tolerance)
         return reason, done, corrections

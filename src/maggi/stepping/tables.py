@@ -81,7 +81,7 @@ class Instant(Table):
 class StepVectors(Table):
     """Vectors that a step carries. m velocities ν in relative coordinates, r closures.
 
-    a, a_next, a_previous, a_older (m,): algorithmic accelerations. nu, nu_next, nud, nud_next (m,): velocities ν and their
+    a, a_next, a_previous, a_older, a_oldest (m,): algorithmic accelerations. nu, nu_next, nud, nud_next (m,): velocities ν and their
     true rates. increment (m,): Δq of the step. multipliers, multipliers_next, multipliers_previous (r,): λ of closures.
     elastic (b, 2): the largest |e| and |ë| of each body lately. contraction (2,): of the iteration, and the
     number of steps since it was last measured.
@@ -91,6 +91,7 @@ class StepVectors(Table):
     a_next: Array
     a_previous: Array
     a_older: Array
+    a_oldest: Array
     nu: Array
     nu_next: Array
     nud: Array
