@@ -26,7 +26,7 @@ from .instant_kernels import show, to_model
 from .linking import link
 from .mesh_groups import mesh_groups
 from .policy import MOST, SolvePolicy
-from .tables import BOUND, CALM, DISSIPATION, ERROR, ORDER
+from .tables import BEST, BOUND, CALM, DISSIPATION, ERROR, ORDER
 
 Array = NDArray[np.float64]
 
@@ -206,7 +206,9 @@ class Stepper:
         """The compiled step on this system's tables and state; see `kernels.advance`."""
         work = self.work
         work.method[:] = c
-        work.flags[ORDER] = min(self._alike, 1 if self.meshes else kernels.HIGHEST_ORDER)
+        work.flags[ORDER] = min(self._alike, kernels.HIGHEST_ORDER)
+        if self.meshes:  # whose nodal accelerations are predicted by a line
+            work.flags[BEST] = 1
         work.numbers[DISSIPATION] = dissipation
         reason, done, corrections = kernels.advance(self.small, self.trial, work, phase, t, steps, self._tolerance)
         return reason, done, corrections
