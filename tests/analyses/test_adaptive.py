@@ -104,7 +104,7 @@ def test_a_mesh_is_factorised_once_for_each_size_of_step() -> None:
         Material(1000.0, 1e8, 0.3, Damping(stiffness=2e-2)),
         attachments={"root": Attachment(nodes=NamedSet("x_min")), "tip": Attachment(nodes=NamedSet("x_max"))},
     )
-    blows = expression("2*exp(-((t - 0.1)/0.01)**2) + 2*exp(-((t - 0.4)/0.01)**2)")
+    blows = expression("100*exp(-((t - 0.1)/0.01)**2) + 100*exp(-((t - 0.4)/0.01)**2)")
     model = Model(
         bodies={"bar": bar},
         joints={"hinge": Joint("revolute", End("ground"), End("bar", "root"), axis=(0.0, 1.0, 0.0))},
