@@ -33,6 +33,7 @@ Array = NDArray[np.float64]
 # The tolerance is for positions, relative to the size, and this many times as large for nodal accelerations: one more
 # back-substitution in smooth motion changes neither (see docs/decisions.md).
 FORCE_SHARE = 1e3
+SETTLE = 10  # steps after which displacements of meshes are put on mean axes again: round-off by then, and below it
 
 
 @dataclass
@@ -238,7 +239,7 @@ class Stepper:
         for mesh in self.meshes:
             mesh.accept()
         self.counts.steps += 1
-        if self.counts.steps % 100 == 0:
+        if self.counts.steps % SETTLE == 0:
             for mesh in self.meshes:
                 mesh.settle()
         for mesh in self.meshes:
