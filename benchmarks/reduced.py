@@ -59,7 +59,7 @@ def measure(modes: int, steps: int, rounds: int, table: Table, used: list[str]) 
         mesh, shapes = exported(ours.stepper.system)
         nodes = ("RotationRxyz", "RotationEulerParameters")
         rods = [reduced_rod(mesh, shapes, node) for node in nodes]
-        peer = exudyn_runs.quickest(rods, exudyn_runs.DENSE, STEP, 50)
+        peer = exudyn_runs.quickest(rods, exudyn_runs.KEPT, STEP, 100)
         runs["peer"] = lambda: peer.run(STEP, timed)
         used.append(f"{peer.name}, {peer.settings}")
     taken = in_turn(runs, rounds)
