@@ -1,11 +1,12 @@
 """Compiled inertia of rigid and Ritz bodies against the readable reference of `elements.moving_frame` (T2, T3, T5a)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from motions import Motion, derivative, rigid_body, ritz_body
 
 from maggi.bodies.kernels import deformed_inertia, inertia_residual, mass_matrix, small_body_energy
-from maggi.bodies.tables import MotionState
 from maggi.elements.moving_frame import FrameMotion, InertiaConstants, frame_resultants, maggi_vector
 from maggi.model.model import Model
 from maggi.system.build import build_system
@@ -75,9 +76,9 @@ def test_mass_matrix_is_the_residuals_part_in_the_accelerations(system, b):
     mass_matrix(system.bodies, b, state.e[o + 6 : e], M)
     np.testing.assert_allclose(M, M.T, atol=1e-15)
     assert np.linalg.eigvalsh(M)[0] > 0.0
-    start = MotionState(*state[:4], np.zeros(state.v.size))
+    start = replace(state, vd=np.zeros(state.v.size))
     for i in range(o, e):
-        one = MotionState(*state[:4], np.eye(state.v.size)[i])
+        one = replace(state, vd=np.eye(state.v.size)[i])
         column = residual(system, b, one) - residual(system, b, start)
         np.testing.assert_allclose(M[:, i - o], column, atol=1e-12 * np.abs(M).max())
 

@@ -15,6 +15,7 @@ from motions import (
     rows_at,
 )
 
+from maggi.bodies.kernels import move
 from maggi.bodies.tables import MotionState
 from maggi.forces.kernels import applied_forces
 from maggi.liaisons.registry import JOINTS
@@ -24,7 +25,6 @@ from maggi.model.forces import PointLoad, SpringDamper, TorsionSpring
 from maggi.model.joints import End, Joint
 from maggi.model.model import Model
 from maggi.stepping.allocate import copy_motion
-from maggi.stepping.kernels import move
 from maggi.system.build import build_system
 
 A, B, C = End("a", "p"), End("b", "p"), End("c", "s")

@@ -1,5 +1,7 @@
 """Every liaison of the library, on every kind of body: A, b and γ against differences along motions that hold it (T7)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from liaison_library import LIAISONS
@@ -7,11 +9,10 @@ from motions import derivative, rows_at, second_derivative
 from random_states import state_in_motion
 from workshop import Workshop
 
+from maggi.bodies.kernels import move
 from maggi.bodies.motions import prescribe
-from maggi.bodies.tables import MotionState
 from maggi.model import GROUND
 from maggi.stepping.allocate import copy_motion
-from maggi.stepping.kernels import move
 from maggi.system.build import build_system
 from maggi.system.dense import dense_rows
 
@@ -81,9 +82,9 @@ def test_coefficients_are_those_of_the_velocities(kind, ends):
     rng = np.random.default_rng(10)
     A = dense_rows(system, state, T).A
     for _ in range(3):
-        moving = MotionState(*state[:3], rng.normal(size=state.v.size), rng.normal(size=state.v.size))
+        moving = replace(state, v=rng.normal(size=state.v.size), vd=rng.normal(size=state.v.size))
         rows = rows_at(system, moving, T)
         np.testing.assert_allclose(A @ moving.v + rows.rhs, rows.velocity, atol=1e-12)
-        still = MotionState(*state[:3], moving.v, np.zeros(state.v.size))
+        still = replace(state, v=moving.v, vd=np.zeros(state.v.size))
         gamma = rows_at(system, still, T).acceleration
         np.testing.assert_allclose(A @ moving.vd + gamma, rows.acceleration, atol=1e-11)

@@ -1,10 +1,11 @@
 """Every joint of the library and its drivers: rows and coordinates against differences along random motions (Eq. T7)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from motions import Motion, derivative, hold_together, mesh_body, rigid_body, ritz_body, rows_at, second_derivative
 
-from maggi.bodies.tables import MotionState
 from maggi.liaisons.registry import JOINTS, lower_pair
 from maggi.liaisons.tables import COORDINATE_KIND, ROTATION, ROTATION_SECOND, ROTATION_VECTOR, TRANSLATION
 from maggi.model.expression import expression
@@ -141,10 +142,10 @@ def test_coefficients_are_those_of_the_velocities(name, ends):
     rng = np.random.default_rng(10)
     A = dense_rows(system, state, 0.0).A
     for _ in range(3):
-        moving = MotionState(*state[:3], rng.normal(size=state.v.size), rng.normal(size=state.v.size))
+        moving = replace(state, v=rng.normal(size=state.v.size), vd=rng.normal(size=state.v.size))
         rows = rows_at(system, moving, 0.0)
         np.testing.assert_allclose(A @ moving.v + rows.rhs, rows.velocity, atol=1e-13)
-        still = MotionState(*state[:3], moving.v, np.zeros(state.v.size))
+        still = replace(state, v=moving.v, vd=np.zeros(state.v.size))
         gamma = rows_at(system, still, 0.0).acceleration
         np.testing.assert_allclose(A @ moving.vd + gamma, rows.acceleration, atol=1e-12)
 

@@ -47,18 +47,17 @@ def test_impossible_ritz_constants_are_named() -> None:
 
 def test_otherwise_the_liaison_furthest_off_is_named() -> None:
     broken = stepper(0.5)
-    broken.state.rows.acceleration[0] = 1.0
+    broken.tried.now.vd[0] = 1.0
     assert "clamp" in str(broken.failure(0.5))
 
 
 def test_a_motion_that_is_not_finite_is_said_to_be_so() -> None:
     broken = stepper(0.5)
-    broken.state.rows.position[:] = np.nan
-    broken.state.next.origin[:] = np.nan
+    broken.tried.now.origin[:] = np.nan
     assert "no longer finite" in str(broken.failure(0.5))
 
 
 def test_rows_without_a_value_of_a_finite_motion_name_their_joint() -> None:
     broken = stepper(0.5)
-    broken.state.rows.position[2] = np.nan
+    broken.system.liaisons.frame[0] = np.nan
     assert str(broken.failure(0.5)) == "a function of 'clamp' has no finite value, at t = 0.5 s"

@@ -4,7 +4,16 @@ from itertools import pairwise
 
 import pytest
 
-from maggi.stepping.policy import CHECK_EVERY, CHECK_SOLVES, FIRST, ROUGH, SolvePolicy
+from maggi.stepping.policy import (
+    CALM,
+    CHECK_SOLVES,
+    FIRST,
+    FIRST_WAIT,
+    LONGEST_WAIT,
+    ROUGH,
+    SUDDEN,
+    SolvePolicy,
+)
 
 ALLOWED, FLOOR = 1.0, 1e-12
 
@@ -22,11 +31,11 @@ def geometric(first, ratio, count=12):
     return [first * ratio**k for k in range(count)]
 
 
-def settled(ratio):
-    """A policy past its first steps, which have shown this contraction."""
+def settled(ratio, first=1e-3):
+    """A policy past its first steps, which have shown this contraction and first corrections of this size."""
     policy = SolvePolicy()
     for _ in range(FIRST):
-        solves(policy, geometric(1e-3, ratio))
+        solves(policy, geometric(first, ratio))
     return policy
 
 
@@ -36,13 +45,65 @@ def test_first_steps_are_checks():
     assert solves(policy, geometric(1e-3, 0.1)) == 1
 
 
-def test_smooth_motion_takes_one_solve_and_a_check_now_and_then():
-    policy = settled(0.05)
-    counts = [solves(policy, geometric(1e-3, 0.05)) for _ in range(10 * CHECK_EVERY)]
-    assert set(counts) == {1, CHECK_SOLVES}
-    assert counts.count(CHECK_SOLVES) == 10
+def checks_of(counts):
+    """Distances between the checks among the numbers of solves of successive steps."""
     checks = [k for k, count in enumerate(counts) if count == CHECK_SOLVES]
-    assert {later - earlier for earlier, later in pairwise(checks)} == {CHECK_EVERY}
+    return [later - earlier for earlier, later in pairwise(checks)]
+
+
+def test_smooth_motion_takes_one_solve_and_a_check_now_and_then():
+    """Each check that finds the iteration calm lets the next one wait twice as long, up to a limit."""
+    policy = settled(CALM / 2)
+    counts = [solves(policy, geometric(1e-3, CALM / 2)) for _ in range(10 * LONGEST_WAIT)]
+    assert set(counts) == {1, CHECK_SOLVES}
+    distances = checks_of(counts)
+    assert counts.index(CHECK_SOLVES) == FIRST_WAIT - 1
+    assert distances[:3] == [2 * FIRST_WAIT, 4 * FIRST_WAIT, 8 * FIRST_WAIT]
+    assert set(distances[3:]) == {LONGEST_WAIT}
+
+
+def test_checks_stay_close_where_the_iteration_is_not_calm():
+    policy = settled(2 * CALM)
+    counts = [solves(policy, geometric(1e-3, 2 * CALM)) for _ in range(10 * FIRST_WAIT)]
+    assert set(checks_of(counts)) == {FIRST_WAIT}
+
+
+def test_checks_come_close_again_after_one_that_was_not_calm():
+    policy = settled(CALM / 2)
+    for _ in range(4 * FIRST_WAIT):
+        solves(policy, geometric(1e-3, CALM / 2))
+    counts = [solves(policy, geometric(1e-3, 2 * CALM)) for _ in range(10 * FIRST_WAIT)]
+    assert set(checks_of(counts)) == {FIRST_WAIT}
+
+
+def test_a_component_that_grows_between_checks_calls_for_one():
+    """What an iteration factor of −1/2 makes of round-off: alternating, 1.37 times as large each step."""
+    policy = settled(CALM / 2)
+    rough, smooth, growth = 1e-9, 30.0, 1.366
+    for k in range(300):
+        if k > 100:
+            rough *= growth
+        first = smooth + rough
+        corrections = [first, CALM / 2 * smooth + rough / 2, CALM**2 / 4 * smooth + rough / 4, rough / 8, rough / 16]
+        if solves(policy, [*corrections, 1e-15], allowed=100.0 if k < 100 else 1.0) >= CHECK_SOLVES and k > 110:
+            break
+    # by schedule or by size, it is noticed before it outgrows what every step corrects anyway
+    assert rough < SUDDEN * smooth
+    assert k < 200
+
+
+def test_a_sudden_change_is_a_check():
+    policy = settled(CALM / 2)
+    for size in [10.0] * 4 + [10.0 * SUDDEN * 1.01]:
+        count = solves(policy, geometric(size, 0.02))
+    assert count == CHECK_SOLVES
+    # it is usual from now on
+    assert solves(policy, geometric(10.0 * SUDDEN, 0.02)) == 1
+
+
+def test_sudden_changes_that_are_allowed_anyway_are_not():
+    policy = settled(CALM / 2)
+    assert [solves(policy, geometric(size, CALM / 2)) for size in (1e-3, 1e-1, 1.0, 2.0)] == [1, 1, 1, 1]
 
 
 def test_rough_motion_takes_two():
@@ -64,15 +125,15 @@ def test_first_contraction_is_no_sign():
 
 def test_a_rough_check_is_forgotten_after_a_smooth_one():
     policy = settled(0.5)
-    counts = [solves(policy, geometric(1e-3, 0.05)) for _ in range(2 * CHECK_EVERY)]
+    counts = [solves(policy, geometric(1e-3, 0.05)) for _ in range(2 * FIRST_WAIT)]
     assert counts[0] == 2
-    assert counts[-CHECK_EVERY // 2] == 1
+    assert counts[-FIRST_WAIT // 2] == 1
 
 
 @pytest.mark.parametrize(("first", "expected"), [(8.9, 1), (9.1, 2), (89.0, 2), (91.0, 3)])
 def test_what_is_left_must_be_allowed(first, expected):
     """With contraction ρ = 0.1, last·ρ/(1 − ρ) ≤ allowed means last ≤ 9."""
-    assert solves(settled(0.1), geometric(first, 0.1)) == expected
+    assert solves(settled(0.1, first), geometric(first, 0.1)) == expected
 
 
 def test_round_off_ends_a_step_at_once():
@@ -87,7 +148,7 @@ def test_growing_corrections_are_never_enough():
 
 def test_exact_iterates_far_below_the_tolerance():
     policy = SolvePolicy(exact=True)
-    for _ in range(2 * CHECK_EVERY):
+    for _ in range(2 * FIRST_WAIT):
         assert solves(policy, geometric(1.0, 0.1), allowed=1.0001) == 5  # 1e-4 of what is allowed
 
 

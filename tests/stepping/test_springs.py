@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from maggi.analyses.transient import run
+from maggi.linalg.small import invert
 from maggi.model.bodies import RigidBody
 from maggi.model.forces import SpringDamper, TorsionSpring
 from maggi.model.geometry import Pose
@@ -15,7 +16,6 @@ from maggi.model.joints import End, Joint
 from maggi.model.model import Model
 from maggi.model.simulation import Outputs, Simulation
 from maggi.results.memory import MemoryRecorder
-from maggi.stepping.springs import invert
 
 INERTIA = ((1e-2, 0.0, 0.0), (0.0, 1e-2, 0.0), (0.0, 0.0, 1e-2))
 GRAVITY = 9.81

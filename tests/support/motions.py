@@ -112,7 +112,7 @@ def rows_at(system, state: MotionState, t: float, previous=None) -> LiaisonState
     out = new_rows(system)
     if previous is not None:
         out.previous[:] = previous
-    evaluate_rows(system.liaisons, system.bodies, state, attachments_at(system, state), t, out)
+    evaluate_rows(system.liaisons, system.bodies, state, attachments_at(system, state), out, t)
     return out
 
 

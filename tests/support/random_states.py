@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from maggi.bodies.kernels import move
 from maggi.bodies.motions import prescribe
 from maggi.projection.maggi import closest_velocities, project, restore
 from maggi.stepping.allocate import copy_motion
-from maggi.stepping.kernels import move
 from maggi.system.dense import dense_mass, dense_rows, floating_velocities, velocity_scale
 
 

@@ -95,7 +95,7 @@ def test_complete_shapes_move_as_the_mesh(name, cell, coupling):
     np.testing.assert_allclose(dense.state.now.origin[index], mesh.state.now.origin[index], rtol=0, atol=1e-13)
     np.testing.assert_allclose(dense.state.now.rotation[index], mesh.state.now.rotation[index], rtol=0, atol=1e-12)
     if mesh.system.rows:
-        same(dense.state.vectors.multipliers, mesh.state.vectors.multipliers, 1e-8)
+        same(dense.state.multipliers, mesh.state.multipliers, 1e-8)
 
 
 @pytest.mark.parametrize(("cell", "coupling"), [("beam", "rigid"), ("hex8", "rigid")])
@@ -105,7 +105,7 @@ def test_complete_shapes_in_a_closed_loop(cell, coupling):
     mesh, dense = end_of(model, dense=False), end_of(model, dense=True)
     for one, other in zip(fields(dense, "rod"), fields(mesh, "rod"), strict=True):
         same(one, other, 2e-6)
-    same(dense.state.vectors.multipliers, mesh.state.vectors.multipliers, 1e-8)
+    same(dense.state.multipliers, mesh.state.multipliers, 1e-8)
     np.testing.assert_allclose(dense.state.now.origin, mesh.state.now.origin, rtol=0, atol=1e-13)
 
 

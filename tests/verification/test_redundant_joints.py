@@ -115,8 +115,9 @@ def test_four_bar_linkage(kinds):
 
 
 def test_redundant_rows_do_not_change_motion_or_forces_in_the_plane():
+    # the coupler hangs on the crank in both, so that they step in the same coordinates
     redundant, _ = run(("revolute", "revolute"))
-    minimal, _ = run(("spherical", "cylindrical"))
+    minimal, _ = run(("cylindrical", "spherical"))
     for name in LENGTHS:
         np.testing.assert_allclose(redundant.body(name).origin, minimal.body(name).origin, atol=1e-10)
         np.testing.assert_allclose(redundant.body(name).rotation, minimal.body(name).rotation, atol=1e-10)

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
+from maggi.bodies.kernels import move
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MotionState
 from maggi.stepping.allocate import copy_motion
-from maggi.stepping.kernels import move
 from maggi.system.dense import dense_rows, velocity_scale
 from maggi.system.system import System
 

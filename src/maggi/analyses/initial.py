@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from maggi.bodies.kernels import move
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MotionState
 from maggi.liaisons.tables import ROW_ANGULAR
@@ -12,7 +13,6 @@ from maggi.model.bodies import RitzBody
 from maggi.model.errors import ModelError
 from maggi.projection.maggi import closest_velocities, project, restore
 from maggi.stepping.allocate import copy_motion
-from maggi.stepping.kernels import move
 from maggi.system.dense import dense_mass, dense_rows, floating_velocities, velocity_scale
 from maggi.system.system import System
 
@@ -166,6 +166,8 @@ def set_velocities(system: System, motion: MotionState, notes: list[str]) -> Non
     G, g, owners = _given(system, motion, moving)
     G, g = np.vstack([G, np.eye(moving.size)[moving.size - rates.size :]]), np.concatenate([g, rates])
     owners += [_owner(system, int(c)) for c in given_rates]
+    if not b.any() and not g.any():
+        return  # at rest: no kinetic energy is less
     scale = velocity_scale(system)[moving]
     M = dense_mass(system, motion)[np.ix_(moving, moving)]
     together = project(np.vstack([A, G]), scale)

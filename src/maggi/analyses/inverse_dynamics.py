@@ -12,7 +12,7 @@ forces make them (feedback linearisation). Source: the paper's references to rob
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +94,7 @@ def coordinates_at(
     if previous is not None:
         rows.previous[:] = previous
     attachment_motion(bodies, motion, attachments)
-    evaluate_rows(table, bodies, motion, attachments, t, rows)
+    evaluate_rows(table, bodies, motion, attachments, rows, t)
     G = np.zeros((len(chosen), system.coordinates))
     for i, c in enumerate(chosen):
         for side in range(2):
@@ -138,7 +138,7 @@ def solve(
         )
     _refuse_meshes(system)
     moving = _moving(system)
-    still = MotionState(*motion[:4], np.where(np.isin(np.arange(system.coordinates), moving), 0.0, motion.vd))
+    still = replace(motion, vd=np.where(np.isin(np.arange(system.coordinates), moving), 0.0, motion.vd))
     terms = terms_at(system, still, t, moving, floor=True)
     wanted = coordinates_at(system, still, t, outputs)
     B = coordinates_at(system, still, t, actuators).G[:, moving]

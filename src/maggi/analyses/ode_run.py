@@ -13,7 +13,7 @@ from maggi.liaisons.kernels import evaluate_rows
 from maggi.model.errors import SimulationError
 from maggi.model.simulation import Simulation
 from maggi.projection.redundancy import least_norm, left_null_space
-from maggi.stepping.allocate import geometric_metric, new_state
+from maggi.stepping.allocate import geometric_metric, new_instant
 from maggi.stepping.failures import almost_flat, why_raised
 from maggi.stepping.kernels import scaled_residuals
 from maggi.stepping.mesh_step import MeshStep
@@ -94,7 +94,7 @@ class OdeRun:
         slowest = 1e-3 * system.size / simulation.duration
         self.system = system
         self.meshes: Sequence[MeshStep] = ()
-        self.state = new_state(system, slowest, max(gravity, slowest / simulation.duration))
+        self.state = new_instant(system, slowest, max(gravity, slowest / simulation.duration))
         self.counts = Counts()
         self.last_iterations = 0
         announce("compiling the equations of motion (once per installation)")
@@ -138,12 +138,12 @@ class OdeRun:
     def residuals(self) -> Array:
         """Scaled liaison residuals at position, velocity and acceleration level, (3,)."""
         out = np.zeros(3)
-        scaled_residuals(self.system.liaisons, self.state.rows, self.state.vectors.scales, out)
+        scaled_residuals(self.system.liaisons, self.state.rows, self.state.scales, out)
         return out
 
     def multipliers(self) -> tuple[Array, NDArray[np.bool_]]:
         """λ (r,) of least norm (T11), and which are unique."""
-        system, multipliers = self.system, self.state.vectors.multipliers
+        system, multipliers = self.system, self.state.multipliers
         if len(self._equations.ode.chart.velocities.redundant) == 0:
             return multipliers, np.ones(system.rows, dtype=np.bool_)
         all_rows = np.ones(system.rows, dtype=np.int64)
@@ -184,18 +184,17 @@ class OdeRun:
             target[:] = source
         state.rows.previous[:] = evaluation.rows.coordinate[:, 0]
         attachment_motion(system.bodies, state.now, state.attachments)
-        evaluate_rows(system.liaisons, system.bodies, state.now, state.attachments, t, state.rows)
-        vectors = state.vectors
-        vectors.multipliers[:] = evaluation.state.multipliers
-        vectors.power[:] = evaluation.state.power[:3]
-        vectors.work[:2] = z[-2:]
+        evaluate_rows(system.liaisons, system.bodies, state.now, state.attachments, state.rows, t)
+        state.multipliers[:] = evaluation.state.multipliers
+        state.power[:] = evaluation.state.power[:3]
+        state.work[:2] = z[-2:]
         self._scale()
         self.last_iterations = ode.evaluations - self._evaluations
         self._evaluations = ode.evaluations
 
     def _scale(self) -> None:
         """What residuals are compared with: the largest speed and acceleration of a row so far."""
-        bodies, now, scales = self.system.bodies, self.state.now, self.state.vectors.scales
+        bodies, now, scales = self.system.bodies, self.state.now, self.state.scales
         size = scales[0]
         for b in range(bodies.kind.size):
             if bodies.kind[b] == FIXED:

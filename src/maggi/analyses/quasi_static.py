@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import attachment_motion, inertia_residual
+from maggi.bodies.kernels import attachment_motion, inertia_residual, move
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import FIXED, MESH, RITZ, MotionState
 from maggi.elements.products import stiffness_product
@@ -22,7 +22,6 @@ from maggi.linalg.factor import Factor, factorise
 from maggi.model.bodies import RitzBody
 from maggi.model.errors import SimulationError
 from maggi.stepping.allocate import copy_motion
-from maggi.stepping.kernels import move
 from maggi.stepping.mesh_step import MeshStep
 from maggi.system.dense import dense_mass, dense_rows, floating_velocities, new_attachments, new_rows
 from maggi.system.system import System
@@ -214,7 +213,7 @@ class QuasiStatic:
         attachments = new_attachments(system.bodies.attachment_body.size)
         rows = new_rows(system)
         attachment_motion(system.bodies, motion, attachments)
-        evaluate_rows(system.liaisons, system.bodies, motion, attachments, t, rows)
+        evaluate_rows(system.liaisons, system.bodies, motion, attachments, rows, t)
         Q = np.zeros(system.coordinates)
         applied_forces(system.forces, system.bodies, system.liaisons, motion, attachments, rows, t, Q, np.zeros(3))
         return Q

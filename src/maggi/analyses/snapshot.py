@@ -12,7 +12,7 @@ from maggi.bodies.kernels import small_body_energy
 from maggi.bodies.tables import MESH, RITZ
 from maggi.liaisons.tables import COORDINATE_KIND, CURVE_FACE, CURVE_POINT, END_ATTACHMENT, TRANSLATION
 from maggi.stepping.mesh_step import MeshStep
-from maggi.stepping.tables import StepState
+from maggi.stepping.tables import Instant
 from maggi.system.system import LiaisonEntry, System
 
 from .build_outline import build_outline
@@ -77,14 +77,13 @@ def visible_liaisons(system: System) -> list[LiaisonEntry]:
 class Present(Protocol):
     """A run as it stands: what rows are made of.
 
-    state: `now`, `attachments`, `rows` and of `vectors` the energy stored in springs (`power`), work and dissipation
-    (`work`). meshes: of bodies with nodal freedoms. last_iterations: what the last step, or row, has cost.
+    state: motion, attachments, rows, the energy stored in springs (`power`), work and dissipation (`work`). meshes: of bodies with nodal freedoms. last_iterations: what the last step, or row, has cost.
     """
 
     @property
     def system(self) -> System: ...
     @property
-    def state(self) -> StepState: ...
+    def state(self) -> Instant: ...
     @property
     def meshes(self) -> Sequence[MeshStep]: ...
     @property
@@ -157,9 +156,7 @@ class Snapshots:
         state, gravity = run.state, run.system.forces.gravity
         small = np.zeros(4)
         small_body_energy(run.system.bodies, state.now, gravity, small)
-        result = np.array(
-            [small[0], small[1] + state.vectors.power[0], small[2], state.vectors.work[1], state.vectors.work[0]]
-        )
+        result = np.array([small[0], small[1] + state.power[0], small[2], state.work[1], state.work[0]])
         for mesh in run.meshes:
             result[:3] += mesh.energies(state.now, gravity)
         return result

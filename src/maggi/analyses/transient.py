@@ -20,8 +20,8 @@ from maggi.stepping.stepper import Counts, Stepper
 from maggi.system.build import RecordedMotion, build_system, has_recorded_motion
 from maggi.system.system import System
 
+from .adaptive import AdaptiveSteps
 from .initial import initial_motion, set_velocities
-from .ode_run import OdeRun
 from .quasi_static import quasi_static_start
 from .recorder import Progress, Recorder
 from .snapshot import Present, Snapshots, layout
@@ -37,7 +37,7 @@ CHUNK_SECONDS = 0.1  # of compiled steps between two looks at progress and inter
 class RunSummary:
     """How a run went.
 
-    iterations : corrections of the small system. residuals (3,): the largest scaled liaison residuals of the stored
+    iterations : corrections of the small system. rejected : steps whose local error was too large. residuals (3,): the largest scaled liaison residuals of the stored
     rows. energy_balance : the largest |T + U + G + dissipated − work − start| over the energy exchanged; numerical_loss
     (J): the same at the end with its sign, what ρ∞ < 1 and the step's error have taken (positive) or given.
     """
@@ -47,6 +47,7 @@ class RunSummary:
     back_substitutions: int
     factorisations: int
     restarts: int
+    rejected: int
     residuals: Array
     energy_balance: float
     numerical_loss: float
@@ -243,7 +244,12 @@ class _Stepping:
         self.system, self.state, self.meshes = stepper.system, stepper.state, stepper.meshes
         self.counts = stepper.counts
         self._stepper = stepper
-        self._advance = _Advance(stepper, simulation)
+        self._adaptive = simulation.accuracy is not None
+        self._advance = (
+            _Advance(stepper, simulation)
+            if simulation.accuracy is None
+            else AdaptiveSteps(stepper, simulation.step, simulation.accuracy)
+        )
         self._chunk = 1
 
     @property
@@ -272,7 +278,10 @@ class _Stepping:
     def note(self) -> str:
         """See `March.note`."""
         per_step = self.counts.back_substitutions / max(1, self.counts.steps)
-        return f"{per_step:.2f} solves a step" if self.meshes else ""
+        parts = [f"{per_step:.2f} solves a step"] if self.meshes else []
+        if self._adaptive:
+            parts.append(f"steps of {self._stepper.coefficients.h:.2g} s")
+        return ", ".join(parts)
 
 
 class _Run:
@@ -328,6 +337,8 @@ class _Run:
             return stepping
         system = _built(self._model, self._progress, timings, dense=True)
         clock = time.perf_counter()
+        from .ode_run import OdeRun  # not at the start of every run: it brings much along
+
         run = OdeRun(system, simulation, notes, self._progress.stage)
         timings["start"] = time.perf_counter() - clock
         return run
@@ -366,6 +377,7 @@ class _Run:
             "tolerance": simulation.tolerance,
             "method": simulation.method,
             "start": simulation.start,
+            **({} if simulation.accuracy is None else {"accuracy": simulation.accuracy}),
         }
 
 
@@ -394,6 +406,7 @@ def _summary(
         counts.back_substitutions,
         counts.factorisations,
         counts.restarts,
+        counts.rejected,
         residuals,
         balance,
         loss,

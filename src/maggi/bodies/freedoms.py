@@ -89,15 +89,22 @@ class Freedoms:
         entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
         return sp.coo_matrix(entries, shape=(3 * len(self.node_block), self.size)).tocsr()
 
+    def order(self) -> IntArray:
+        """Nodes (n,): the free ones, in the order of their blocks, then the tied ones."""
+        return np.concatenate([np.flatnonzero(self.node_block >= 0), self.tied])
+
     def reduce_matrix(self, matrix: sp.bsr_matrix) -> sp.bsr_matrix:
-        """Tᵀ (matrix) T with 3×3 blocks; exactly symmetric where `matrix` is."""
+        """Tᵀ (matrix) T with 3×3 blocks, for a symmetric matrix whose rows are sorted; exactly symmetric."""
         if self.tied.size == 0:
             return matrix
-        T = self.matrix()
-        reduced = (T.T @ matrix.tocsr() @ T).tocsr()
-        reduced = (0.5 * (reduced + reduced.T)).tobsr((3, 3))
-        reduced.sort_indices()
-        return reduced
+        number = np.full(len(self.node_block), -1, dtype=np.int64)
+        number[self.tied] = np.arange(self.tied.size)
+        free = int((self.node_block >= 0).sum())
+        attachment = (self.master - free) // 2
+        indptr, indices, blocks = _reduced(
+            matrix.indptr, matrix.indices, matrix.data, self.node_block, number, attachment, self.arm, self.blocks, free
+        )
+        return sp.bsr_matrix((blocks, indices, indptr), shape=(self.size, self.size))
 
 
 @njit(cache=True)
@@ -134,3 +141,95 @@ def _reduce(node_block, tied, master, arm, force, out):  # type: ignore[no-untyp
         out[b + 1, 0] += arm[k, 1] * z - arm[k, 2] * y
         out[b + 1, 1] += arm[k, 2] * x - arm[k, 0] * z
         out[b + 1, 2] += arm[k, 0] * y - arm[k, 1] * x
+
+
+@njit(cache=True)
+def _reduced(indptr, indices, data, node_block, number, attachment, arm, size, free):  # type: ignore[no-untyped-def]
+    """The rows of Tᵀ A T: free nodes keep their blocks; those of a tied node go to its attachment's two by [I, −ã]."""
+    count = (size - free) // 2
+    side = np.zeros((free, count, 3, 6))  # free nodes' rows, attachments' columns
+    touched = np.zeros((free, count), np.bool_)
+    corner = np.zeros((count, count, 6, 6))
+    coupled = np.zeros((count, count), np.bool_)
+    first = np.zeros(size + 1, np.int32)
+    turned = np.empty((3, 6))
+    for n in range(node_block.size):
+        i = node_block[n]
+        for p in range(indptr[n], indptr[n + 1]):
+            m = indices[p]
+            if node_block[m] >= 0:
+                if i >= 0:
+                    first[i + 1] += 1
+                continue
+            b, arm_m = attachment[number[m]], arm[number[m]]
+            for k in range(3):
+                x, y, z = data[p, k, 0], data[p, k, 1], data[p, k, 2]
+                turned[k, 0], turned[k, 1], turned[k, 2] = x, y, z
+                turned[k, 3] = z * arm_m[1] - y * arm_m[2]
+                turned[k, 4] = x * arm_m[2] - z * arm_m[0]
+                turned[k, 5] = y * arm_m[0] - x * arm_m[1]
+            if i >= 0:
+                touched[i, b] = True
+                side[i, b] += turned
+            else:
+                a, arm_n = attachment[number[n]], arm[number[n]]
+                coupled[a, b] = True
+                for j in range(6):
+                    x, y, z = turned[0, j], turned[1, j], turned[2, j]
+                    corner[a, b, 0, j] += x
+                    corner[a, b, 1, j] += y
+                    corner[a, b, 2, j] += z
+                    corner[a, b, 3, j] += arm_n[1] * z - arm_n[2] * y
+                    corner[a, b, 4, j] += arm_n[2] * x - arm_n[0] * z
+                    corner[a, b, 5, j] += arm_n[0] * y - arm_n[1] * x
+    for i in range(free):
+        for a in range(count):
+            if touched[i, a]:
+                first[i + 1] += 2
+                first[free + 2 * a + 1] += 1
+                first[free + 2 * a + 2] += 1
+    for a in range(count):
+        for b in range(count):
+            if coupled[a, b]:
+                first[free + 2 * a + 1] += 2
+                first[free + 2 * a + 2] += 2
+    for i in range(size):
+        first[i + 1] += first[i]
+    columns = np.empty(first[size], np.int32)
+    blocks = np.empty((first[size], 3, 3))
+    filled = first[:size].copy()
+    for n in range(node_block.size):
+        i = node_block[n]
+        if i < 0:
+            continue
+        for p in range(indptr[n], indptr[n + 1]):
+            if node_block[indices[p]] >= 0:
+                columns[filled[i]] = node_block[indices[p]]
+                blocks[filled[i]] = data[p]
+                filled[i] += 1
+        for a in range(count):
+            if not touched[i, a]:
+                continue
+            for part in range(2):
+                row = free + 2 * a + part
+                block = side[i, a, :, 3 * part : 3 * part + 3]
+                columns[filled[i]] = row
+                blocks[filled[i]] = block
+                filled[i] += 1
+                columns[filled[row]] = i
+                blocks[filled[row]] = block.T
+                filled[row] += 1
+    for a in range(count):
+        for b in range(count):
+            if not coupled[a, b]:
+                continue
+            for k in range(2):
+                row = free + 2 * a + k
+                for l in range(2):
+                    columns[filled[row]] = free + 2 * b + l
+                    for i in range(3):
+                        for j in range(3):
+                            x, y = corner[a, b, 3 * k + i, 3 * l + j], corner[b, a, 3 * l + j, 3 * k + i]
+                            blocks[filled[row], i, j] = 0.5 * (x + y)
+                    filled[row] += 1
+    return first, columns, blocks

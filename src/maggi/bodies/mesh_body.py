@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -23,6 +24,7 @@ from maggi.model.meshes import BeamMesh
 from .couplings import Coupling, averaging_weights, make_coupling, refuse_overlap
 from .freedoms import Freedoms
 from .inertia import BeamInertia, IsotropicInertia, MeshInertia
+from .mean_axes import MeanAxes
 
 Array = NDArray[np.float64]
 
@@ -33,8 +35,10 @@ class MeshBody:
 
     K (nd, nd) BSR; inertia; damping ``D = mass·PᵀMP + stiffness·K`` (relative to the frame).
     B (nd, 6k) sparse: the attachments' (d, θ) are Bᵀu. Phi (nd, 6): rigid motions about the origin;
-    C (nd, 6) = M Φ: mean axes are Cᵀu = 0; J6 (6, 6) = ΦᵀMΦ.
+    C (nd, 6) = M Φ: mean axes are Cᵀu = 0; J6 (6, 6) = ΦᵀMΦ; axes: the projections by them.
     floating: False where the frame is prescribed; then nothing is projected out.
+    likeness: the same for bodies that are the same but for their names and their mesh's; those built together share
+    everything else.
     """
 
     name: str
@@ -48,7 +52,9 @@ class MeshBody:
     Phi: Array
     C: Array
     J6: Array
+    axes: MeanAxes
     floating: bool
+    likeness: str
 
     @property
     def size(self) -> int:
@@ -72,15 +78,17 @@ class MeshBody:
         return np.asarray(columns - self.Phi @ np.linalg.solve(self.J6, self.C.T @ columns))
 
 
-def build_mesh_body(name: str, body: ElasticBody, folder: str) -> MeshBody:
+def build_mesh_body(name: str, body: ElasticBody, folder: str, others: Iterable[MeshBody] = ()) -> MeshBody:
     """Read or make the mesh, assemble it and attach its attachments.
+
+    others : bodies built before; one that is the same gives its matrices.
 
     Raises ModelError or MeshError for a mesh, a set, a material or an attachment that cannot be used.
     """
     path = f"bodies.{name}"
     mesh = load_mesh(body.mesh, folder, f"{path}.mesh")
     if isinstance(body.mesh, BeamMesh):
-        return _beam_body(name, body, body.mesh, mesh)
+        return _beam_body(name, body, body.mesh, mesh, others)
     if "beam2" in mesh.cells:
         raise ModelError(
             "the mesh file has beam cells, whose section it does not give",
@@ -99,6 +107,10 @@ def build_mesh_body(name: str, body: ElasticBody, folder: str) -> MeshBody:
     ]
     refuse_overlap(couplings, path)
     materials, damping = _materials(body.material, mesh, path)
+    likeness = _likeness(mesh, materials, damping, couplings, body.motion is None)
+    twin = _twin(name, mesh, couplings, likeness, others)
+    if twin is not None:
+        return twin
     try:
         matrices = assemble_solids(mesh.nodes, mesh.cells, materials, mesh.cell_labels)
     except MeshError as error:
@@ -125,15 +137,15 @@ def build_mesh_body(name: str, body: ElasticBody, folder: str) -> MeshBody:
         couplings,
         columns,
         Phi,
+        likeness,
     )
 
 
-def _beam_body(name: str, body: ElasticBody, source: BeamMesh, mesh: Mesh) -> MeshBody:
+def _beam_body(name: str, body: ElasticBody, source: BeamMesh, mesh: Mesh, others: Iterable[MeshBody]) -> MeshBody:
     path = f"bodies.{name}"
     if body.material is None:
         raise ModelError("a beam needs a material", path=path, remedy="add `material:` with the name of one")
-    terms = assemble_beam(mesh.nodes, mesh.cells["beam2"], source.section, body.material, mesh.cell_labels)
-    couplings, columns = [], []
+    couplings = []
     for key, attachment in body.attachments.items():
         where = f"{path}.attachments.{key}"
         members = select(mesh, _selection(attachment, where), f"{where}.nodes")
@@ -144,7 +156,12 @@ def _beam_body(name: str, body: ElasticBody, source: BeamMesh, mesh: Mesh) -> Me
                 remedy="select one node, such as the sets `start` and `end`",
             )
         couplings.append(Coupling(key, members, mesh.nodes[members[0]], True))
-        columns.append(_unit_columns(terms.K.shape[0], 6 * int(members[0])))
+    likeness = _likeness(mesh, (body.material, source.section), body.material.damping, couplings, body.motion is None)
+    twin = _twin(name, mesh, couplings, likeness, others)
+    if twin is not None:
+        return twin
+    terms = assemble_beam(mesh.nodes, mesh.cells["beam2"], source.section, body.material, mesh.cell_labels)
+    columns = [_unit_columns(terms.K.shape[0], 6 * int(coupling.nodes[0])) for coupling in couplings]
     Phi = np.zeros((mesh.n_nodes, 6, 6))
     Phi[:, :3, :3] = np.eye(3)
     Phi[:, 3:, 3:] = np.eye(3)
@@ -160,6 +177,7 @@ def _beam_body(name: str, body: ElasticBody, source: BeamMesh, mesh: Mesh) -> Me
         couplings,
         columns,
         Phi.reshape(-1, 6),
+        likeness,
     )
 
 
@@ -174,10 +192,12 @@ def _finish(
     couplings: list[Coupling],
     columns: list[sp.csc_matrix],
     Phi: Array,
+    likeness: str,
 ) -> MeshBody:
     B = sp.hstack(columns).tocsc() if columns else sp.csc_matrix((K.shape[0], 0))
     C = np.ascontiguousarray(inertia.matrix @ Phi)
     J6 = Phi.T @ C
+    J6 = 0.5 * (J6 + J6.T)
     return MeshBody(
         name,
         mesh,
@@ -189,9 +209,45 @@ def _finish(
         B,
         np.ascontiguousarray(Phi),
         C,
-        0.5 * (J6 + J6.T),
+        J6,
+        inertia.mean_axes(Phi, C, J6),
         body.motion is None,
+        likeness,
     )
+
+
+def _likeness(mesh: Mesh, materials: object, damping: Damping, couplings: list[Coupling], floating: bool) -> str:
+    """A digest of all that the matrices of a body follow from, by value."""
+    digest = hashlib.sha256()
+
+    def add(*parts: object) -> None:
+        for part in parts:
+            if isinstance(part, np.ndarray):
+                digest.update(f"{part.dtype} {part.shape} ".encode() + np.ascontiguousarray(part).tobytes())
+            else:
+                digest.update(f"{part!r} ".encode())
+
+    add(floating, damping, mesh.nodes)
+    for kind, cells in sorted(mesh.cells.items()):
+        add(kind, cells)
+    if isinstance(materials, Mapping):
+        for kind, table in sorted(materials.items()):
+            add(kind, table.density, table.young, table.poisson)
+    else:
+        add(materials)
+    for coupling in couplings:
+        add(coupling.rigid, coupling.point, coupling.nodes)
+    return digest.hexdigest()
+
+
+def _twin(
+    name: str, mesh: Mesh, couplings: list[Coupling], likeness: str, others: Iterable[MeshBody]
+) -> MeshBody | None:
+    """A body that shares the matrices of one of the others, if it is the same."""
+    for other in others:
+        if other.likeness == likeness:
+            return replace(other, name=name, mesh=mesh, couplings=tuple(couplings))
+    return None
 
 
 def _selection(attachment: Attachment, path: str):  # type: ignore[no-untyped-def]

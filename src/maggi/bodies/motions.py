@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 
 from maggi.linalg.jets import evaluate
 from maggi.linalg.rotations import exp_se3_update, exp_so3
+from maggi.linalg.table import Table
 
 from .tables import Array, BodyTable, IntArray, MotionState
 
 
-class MotionTable(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class MotionTable(Table):
     """Constants of all prescribed frames. g given by functions, q recorded at n equidistant times.
 
     given_body (g,); given_rotation (g, 3, 3): at angle 0; given_axis (g, 3): body axes; four functions each

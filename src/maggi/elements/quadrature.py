@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import roots_jacobi
 
 Array = NDArray[np.float64]
 
@@ -69,6 +68,8 @@ def wedge6_point() -> Rule:
 
 def _jacobi(count: int, power: int) -> tuple[Array, Array]:
     """Gauss–Jacobi rule on [0, 1] for the weight ``(1 - x)^power``."""
+    from scipy.special import roots_jacobi  # not at the start of every run: it brings much along
+
     x, w = roots_jacobi(count, float(power), 0.0)
     return (np.asarray(x) + 1.0) / 2.0, np.asarray(w) / 2.0 ** (power + 1)
 

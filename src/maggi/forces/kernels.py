@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from maggi.bodies.kernels import generalised_force
@@ -15,7 +14,7 @@ from maggi.linalg.jets import evaluate
 from .tables import ForceTable
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _apply(
     bodies: BodyTable, state: MotionState, attachments: AttachmentState, a: int, f: Array, m: Array, Q: Array
 ) -> None:
@@ -35,7 +34,7 @@ def _apply(
     )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def applied_forces(
     table: ForceTable,
     bodies: BodyTable,
@@ -51,11 +50,12 @@ def applied_forces(
 
     power (3,): the energy stored in springs (J), the power that dampers dissipate (W), the power of loads (W).
     """
-    Q[:] = 0.0
-    power[:] = 0.0
-    f = np.zeros(3)
-    m = np.zeros(3)
-    jet = np.zeros(3)
+    for i in range(Q.shape[0]):
+        Q[i] = 0.0
+    f, m, jet, value = rows.scratch[0], rows.scratch[1], rows.scratch[2], rows.scratch[3]
+    for i in range(3):
+        power[i] = 0.0
+        m[i] = 0.0
     for s in range(table.spring_ends.shape[0]):
         p, q = table.spring_ends[s, 0], table.spring_ends[s, 1]
         length = 0.0
@@ -91,13 +91,13 @@ def applied_forces(
         power[1] += table.torsion_data[s, 1] * rate * rate
     for s in range(table.load_attachment.shape[0]):
         a = table.load_attachment[s]
-        value = np.zeros(3)
         for i in range(3):
             o, e = table.function_start[3 * s + i], table.function_start[3 * s + i + 1]
             evaluate(table.function_codes[o:e], table.function_values[o:e], t, jet)
             value[i] = jet[0]
-        f[:] = 0.0
-        m[:] = 0.0
+        for i in range(3):
+            f[i] = 0.0
+            m[i] = 0.0
         torque = table.load_kind[s, 0] == 1
         for i in range(3):
             x = value[i]

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from maggi.linalg.table import Table
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-class ForceTable(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class ForceTable(Table):
     """Constants of all forces. s springs, q torsion springs, l loads.
 
     gravity (3,). spring_ends (s, 2): attachments; spring_data (s, 3): stiffness, damping, free length.

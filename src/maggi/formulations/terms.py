@@ -64,7 +64,7 @@ def _forces(system: System, motion: MotionState, t: float) -> Array:
     bodies = system.bodies
     attachments, rows = new_attachments(bodies.attachment_body.size), new_rows(system)
     attachment_motion(bodies, motion, attachments)
-    evaluate_rows(system.liaisons, bodies, motion, attachments, t, rows)
+    evaluate_rows(system.liaisons, bodies, motion, attachments, rows, t)
     Q, power = np.empty(system.coordinates), np.empty(3)
     applied_forces(system.forces, bodies, system.liaisons, motion, attachments, rows, t, Q, power)
     inertia = np.zeros(system.coordinates)

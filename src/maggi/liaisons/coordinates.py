@@ -16,9 +16,9 @@ from .tables import (
     COORDINATE_JOINT,
     COORDINATE_KIND,
     CURVE_DATA,
-    CURVE_FACE,
     CURVE_POINT,
     ROTATION,
+    ROTATION_SECOND,
     ROTATION_VECTOR,
     TRANSLATION,
     LiaisonState,
@@ -38,90 +38,107 @@ from .vectors import (
 )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def joint_coordinates(table: LiaisonTable, attachments: AttachmentState, out: LiaisonState) -> None:
-    """Every joint coordinate, with rate, acceleration and coefficients; rotations right-handed and unwrapped."""
-    x = np.empty(3)
-    y = np.empty(3)
-    z = np.empty(3)
-    zd = np.empty(3)
-    for c in range(table.coordinate.shape[0]):
-        j = table.coordinate[c, COORDINATE_JOINT]
-        k = table.coordinate[c, COORDINATE_AXIS]
-        kind = table.coordinate[c, COORDINATE_KIND]
-        p, q = table.joint[j, 0], table.joint[j, 1]
-        R, S = attachments.rotation[p], attachments.rotation[q]
-        w = attachments.angular_velocity
-        al = attachments.angular_acceleration
-        wrench = out.coordinate_wrench[c]
-        wrench[:, :] = 0.0
-        if kind == TRANSLATION:
-            axis(R, table.frame[j, 0], k, z)
-            for i in range(3):
-                x[i] = attachments.position[q, i] - attachments.position[p, i]
-                wrench[0, i] = -z[i]
-                wrench[1, i] = z[i]
-            out.coordinate[c, 0] = dot(x, z)
-            cross(x, z, wrench[0, 3:])
-            for i in range(3):
-                wrench[0, 3 + i] = -wrench[0, 3 + i]
-            out.coordinate[c, 1] = _rate(wrench, attachments, p, q)
-            cross(w[p], z, zd)
-            value = 0.0
-            for i in range(3):
-                y[i] = attachments.velocity[q, i] - attachments.velocity[p, i]
-                value += z[i] * (attachments.acceleration[q, i] - attachments.acceleration[p, i])
-            value += 2.0 * dot(y, zd)
-            cross(al[p], z, y)
-            value += dot(x, y)
-            cross(w[p], zd, y)
-            out.coordinate[c, 2] = value + dot(x, y)
-            continue
-        if kind == CURVE_POINT or kind == CURVE_FACE:
-            _curve_parameter(table, attachments, c, out)
-            continue
-        if kind == ROTATION_VECTOR:
-            relative = np.empty((3, 3))
-            for i in range(3):
-                axis(R, table.frame[j, 0], i, x)
-                for l in range(3):
-                    axis(S, table.frame[j, 1], l, y)
-                    relative[i, l] = dot(x, y)
-            log_so3(relative, y)
-            axis(R, table.frame[j, 0], k, z)
-            cross(w[p], z, zd)
-            out.coordinate[c, 0] = y[k]
-            rate = 0.0
-            value = 0.0
-            for i in range(3):
-                wrench[0, 3 + i] = -z[i]
-                wrench[1, 3 + i] = z[i]
-                rate += z[i] * (w[q, i] - w[p, i])
-                value += zd[i] * (w[q, i] - w[p, i]) + z[i] * (al[q, i] - al[p, i])
-            out.coordinate[c, 1] = rate
-            out.coordinate[c, 2] = value
-            continue
-        # the angle about an axis between an axis of the first and the same axis of the second, both normal to it
-        first = kind == ROTATION
-        carrier = p if first else q
-        other = (k + 1) % 3 if first else (k + 2) % 3
-        about = turned_axis(attachments.rotation, carrier, table.frame, j, 0 if first else 1, k)
-        turning = vector_product(row(w, carrier), about)
-        a = turned_axis(attachments.rotation, p, table.frame, j, 0, other)
-        b = turned_axis(attachments.rotation, q, table.frame, j, 1, other)
-        angle = math.atan2(scalar_product(vector_product(a, b), about), scalar_product(a, b))
-        turns = round((out.previous[c] - angle) / (2.0 * math.pi))
-        spin = difference(row(w, q), row(w, p))
-        out.coordinate[c, 0] = angle + 2.0 * math.pi * turns
-        out.coordinate[c, 1] = scalar_product(about, spin)
-        value = scalar_product(turning, spin)
-        out.coordinate[c, 2] = value + scalar_product(about, difference(row(al, q), row(al, p)))
-        for i in range(3):
-            wrench[0, 3 + i] = -about[i]
-            wrench[1, 3 + i] = about[i]
+    """The joint coordinates that the table measures, with rate, acceleration and coefficients."""
+    for x in range(table.measured.shape[0]):
+        joint_coordinate(table, attachments, table.measured[x], out)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def joint_coordinate(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
+    """One joint coordinate; rotations right-handed and unwrapped. Parameters of curves are left to `special`."""
+    kind = table.coordinate[c, COORDINATE_KIND]
+    if kind == ROTATION or kind == ROTATION_SECOND:
+        _turn(table, attachments, c, out)
+    elif kind == TRANSLATION:
+        _translation(table, attachments, c, out)
+    elif kind == ROTATION_VECTOR:
+        _rotation_vector(table, attachments, c, out)
+
+
+@njit(cache=True, error_model="numpy")
+def _turn(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
+    """The angle about an axis between an axis of the first and the same axis of the second, both normal to it."""
+    j = table.coordinate[c, COORDINATE_JOINT]
+    k = table.coordinate[c, COORDINATE_AXIS]
+    p, q = table.joint[j, 0], table.joint[j, 1]
+    w, al = attachments.angular_velocity, attachments.angular_acceleration
+    wrench = out.coordinate_wrench[c]
+    first = table.coordinate[c, COORDINATE_KIND] == ROTATION
+    carrier = p if first else q
+    other = (k + 1) % 3 if first else (k + 2) % 3
+    about = turned_axis(attachments.rotation, carrier, table.frame, j, 0 if first else 1, k)
+    turning = vector_product(row(w, carrier), about)
+    a = turned_axis(attachments.rotation, p, table.frame, j, 0, other)
+    b = turned_axis(attachments.rotation, q, table.frame, j, 1, other)
+    angle = math.atan2(scalar_product(vector_product(a, b), about), scalar_product(a, b))
+    turns = math.floor((out.previous[c] - angle) / (2.0 * math.pi) + 0.5)
+    spin = difference(row(w, q), row(w, p))
+    out.coordinate[c, 0] = angle + 2.0 * math.pi * turns
+    out.coordinate[c, 1] = scalar_product(about, spin)
+    value = scalar_product(turning, spin)
+    out.coordinate[c, 2] = value + scalar_product(about, difference(row(al, q), row(al, p)))
+    for i in range(3):
+        wrench[0, i] = 0.0
+        wrench[1, i] = 0.0
+        wrench[0, 3 + i] = -about[i]
+        wrench[1, 3 + i] = about[i]
+
+
+@njit(cache=True, error_model="numpy")
+def _translation(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
+    """The position of the second end along an axis of the first."""
+    j = table.coordinate[c, COORDINATE_JOINT]
+    p, q = table.joint[j, 0], table.joint[j, 1]
+    w = row(attachments.angular_velocity, p)
+    wrench = out.coordinate_wrench[c]
+    z = turned_axis(attachments.rotation, p, table.frame, j, 0, table.coordinate[c, COORDINATE_AXIS])
+    x = difference(row(attachments.position, q), row(attachments.position, p))
+    v = difference(row(attachments.velocity, q), row(attachments.velocity, p))
+    a = difference(row(attachments.acceleration, q), row(attachments.acceleration, p))
+    turning = vector_product(w, z)
+    moment = vector_product(z, x)
+    out.coordinate[c, 0] = scalar_product(x, z)
+    out.coordinate[c, 1] = scalar_product(v, z) + scalar_product(x, turning)
+    value = scalar_product(a, z) + 2.0 * scalar_product(v, turning)
+    value += scalar_product(moment, row(attachments.angular_acceleration, p))
+    out.coordinate[c, 2] = value + scalar_product(x, vector_product(w, turning))
+    for i in range(3):
+        wrench[0, i] = -z[i]
+        wrench[1, i] = z[i]
+        wrench[0, 3 + i] = moment[i]
+        wrench[1, 3 + i] = 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _rotation_vector(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
+    """A component, along an axis of the first, of the rotation vector from the first's axes to the second's."""
+    j = table.coordinate[c, COORDINATE_JOINT]
+    k = table.coordinate[c, COORDINATE_AXIS]
+    p, q = table.joint[j, 0], table.joint[j, 1]
+    w, al = attachments.angular_velocity, attachments.angular_acceleration
+    wrench = out.coordinate_wrench[c]
+    relative = out.scratch[:3]
+    for i in range(3):
+        a = turned_axis(attachments.rotation, p, table.frame, j, 0, i)
+        for l in range(3):
+            relative[i, l] = scalar_product(a, turned_axis(attachments.rotation, q, table.frame, j, 1, l))
+    log_so3(relative, out.scratch[3])
+    z = turned_axis(attachments.rotation, p, table.frame, j, 0, k)
+    spin = difference(row(w, q), row(w, p))
+    out.coordinate[c, 0] = out.scratch[3, k]
+    out.coordinate[c, 1] = scalar_product(z, spin)
+    value = scalar_product(vector_product(row(w, p), z), spin)
+    out.coordinate[c, 2] = value + scalar_product(z, difference(row(al, q), row(al, p)))
+    for i in range(3):
+        wrench[0, i] = 0.0
+        wrench[1, i] = 0.0
+        wrench[0, 3 + i] = -z[i]
+        wrench[1, 3 + i] = z[i]
+
+
+@njit(cache=True, error_model="numpy")
 def _rate(wrench: Array, attachments: AttachmentState, p: int, q: int) -> float:
     value = 0.0
     for i in range(3):
@@ -132,7 +149,7 @@ def _rate(wrench: Array, attachments: AttachmentState, p: int, q: int) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _curve_parameter(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
+def curve_parameter(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
     """The parameter of a curve joint, less its initial value.
 
     Point: ṡ = c′·ẋ / (c′·c′ − (x − c)·c″). Face with normal m: ṡ = −c′·ṁ / (c″·m). x, m in the carrier's axes.
@@ -142,11 +159,10 @@ def _curve_parameter(table: LiaisonTable, attachments: AttachmentState, c: int, 
     initial = table.data[curve[CURVE_DATA] + INITIAL]
     p, q = table.joint[j, 0], table.joint[j, 1]
     R = attachments.rotation[p]
-    D = np.empty(3)
-    y = np.empty(3)
-    x = np.empty(3)
-    r = np.empty((3, 3))
+    D, y, x = out.scratch[0], out.scratch[1], out.scratch[2]
+    r = out.scratch[3:6]
     wrench = out.coordinate_wrench[c]
+    wrench[:, :] = 0.0
     if table.coordinate[c, COORDINATE_KIND] == CURVE_POINT:
         for i in range(3):
             D[i] = attachments.position[q, i] - attachments.position[p, i]

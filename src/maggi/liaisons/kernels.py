@@ -2,102 +2,69 @@
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from maggi.bodies.kernels import generalised_force
-from maggi.bodies.tables import Array, AttachmentState, BodyTable, MotionState
-from maggi.linalg.jets import evaluate
+from maggi.bodies.tables import AttachmentState, BodyTable, MotionState
+from maggi.linalg.links import Link, call3
 
-from .callbacks import callback_row
 from .coordinates import joint_coordinates
-from .directions import point_direction
-from .sums import pfaffian_row, relation_row
+from .sums import relation_row
 from .tables import (
-    CALLBACK,
-    DISTANCE,
     OFFSET,
-    PFAFFIAN,
     PRODUCT,
     RATE_RELATION,
     RELATION,
     ROW_FIRST,
-    ROW_HOLONOMIC,
     ROW_JOINT,
     ROW_KIND,
     ROW_SECOND,
+    SPECIAL_COORDINATES,
+    SPECIAL_ROWS,
     TWIST,
     LiaisonState,
     LiaisonTable,
 )
-from .vectors import cross, difference, dot, row, scalar_product, total, turned_axis, vector_product
+from .vectors import difference, row, scalar_product, total, turned_axis, vector_product
 
 
-@njit(cache=True)
-def point_row(attachments: AttachmentState, p: int, q: int, start: int, i: int, work: Array, out: LiaisonState) -> None:
-    """N · [v₂ + ω₂ × ρ − v₁ − ω₁ × (P − p₁)], its rate and its coefficients; work: N, Ṅ, ρ, ρ̇ (`directions`)."""
-    N, Nd, rho, rhod = work[0], work[1], work[2], work[3]
-    w1, w2 = attachments.angular_velocity[p], attachments.angular_velocity[q]
-    arm, armd, V, A, x = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    for l in range(3):
-        V[l] = attachments.velocity[q, l] - attachments.velocity[p, l]
-        A[l] = attachments.acceleration[q, l] - attachments.acceleration[p, l]
-        arm[l] = attachments.position[q, l] + rho[l] - attachments.position[p, l]
-        armd[l] = V[l] + rhod[l]
-    cross(attachments.angular_acceleration[q], rho, x)
-    for l in range(3):
-        A[l] += x[l]
-    cross(w2, rhod, x)
-    for l in range(3):
-        A[l] += x[l]
-    cross(attachments.angular_acceleration[p], arm, x)
-    for l in range(3):
-        A[l] -= x[l]
-    cross(w1, armd, x)
-    for l in range(3):
-        A[l] -= x[l]
-    cross(w2, rho, x)
-    for l in range(3):
-        V[l] += x[l]
-    cross(w1, arm, x)
-    for l in range(3):
-        V[l] -= x[l]
-    out.velocity[i] = dot(N, V)
-    out.acceleration[i] = dot(N, A) + dot(Nd, V)
-    first, second = out.wrench[start], out.wrench[start + 1]
-    for l in range(3):
-        first[l] = -N[l]
-        second[l] = N[l]
-    cross(N, arm, first[3:])
-    cross(rho, N, second[3:])
+@njit(cache=True, error_model="numpy")
+def offset_rows(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> int:
+    """Row i and those after it of the same kind and joint, Φ = a·(p₂ − p₁) with axes a of the first; returns the row after.
 
-
-@njit(inline="always")
-def offset_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> None:
-    """Φ = a·(p₂ − p₁) with the axis a of the first: `point_row` with N = a and no arm, written out for speed."""
-    j = table.row[i, ROW_JOINT]
+    All are components of one relative motion, Φ̇ = a·[V − ω × D] and
+    Φ̈ = a·[A − 2 ω × V − ε × D + ω × (ω × D)].
+    """
+    row_table, rotation = table.row, attachments.rotation
+    j = row_table[i, ROW_JOINT]
     p, q = table.joint[j, 0], table.joint[j, 1]
     w = row(attachments.angular_velocity, p)
-    a = turned_axis(attachments.rotation, p, table.frame, j, 0, table.row[i, ROW_FIRST])
     D = difference(row(attachments.position, q), row(attachments.position, p))
     V = difference(row(attachments.velocity, q), row(attachments.velocity, p))
     A = difference(row(attachments.acceleration, q), row(attachments.acceleration, p))
-    turning = vector_product(w, a)
-    moment = vector_product(a, D)
-    out.position[i] = scalar_product(D, a)
-    out.velocity[i] = scalar_product(V, a) + scalar_product(D, turning)
-    value = scalar_product(A, a) + 2.0 * scalar_product(V, turning)
-    value += scalar_product(moment, row(attachments.angular_acceleration, p))
-    out.acceleration[i] = value + scalar_product(D, vector_product(w, turning))
-    e = table.end_start[i]
-    for l in range(3):
-        out.wrench[e, l] = -a[l]
-        out.wrench[e, 3 + l] = moment[l]
-        out.wrench[e + 1, l] = a[l]
-        out.wrench[e + 1, 3 + l] = 0.0
+    swept = vector_product(w, D)
+    rate = difference(V, swept)
+    # 2 ω × V − ω × (ω × D) = ω × (V + rate)
+    A = difference(A, vector_product(w, total(V, rate)))
+    A = difference(A, vector_product(row(attachments.angular_acceleration, p), D))
+    while i < row_table.shape[0] and row_table[i, ROW_KIND] == OFFSET and row_table[i, ROW_JOINT] == j:
+        out.rhs[i] = 0.0
+        a = turned_axis(rotation, p, table.frame, j, 0, row_table[i, ROW_FIRST])
+        moment = vector_product(a, D)
+        out.position[i] = scalar_product(D, a)
+        out.velocity[i] = scalar_product(rate, a)
+        out.acceleration[i] = scalar_product(A, a)
+        e = table.end_start[i]
+        for l in range(3):
+            out.wrench[e, l] = -a[l]
+            out.wrench[e, 3 + l] = moment[l]
+            out.wrench[e + 1, l] = a[l]
+            out.wrench[e + 1, 3 + l] = 0.0
+        i += 1
+    return i
 
 
-@njit(inline="always")
+@njit(cache=True, error_model="numpy")
 def turn_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> None:
     """Products of axes: Φ = a_k·b_l, or a_k·b_l − a_l·b_k; a turns with the first end, b with the second."""
     j = table.row[i, ROW_JOINT]
@@ -132,7 +99,7 @@ def turn_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: Lia
     out.acceleration[i] = acceleration
 
 
-@njit(inline="always")
+@njit(cache=True, error_model="numpy")
 def on_bodies(
     table: LiaisonTable, bodies: BodyTable, state: MotionState, attachments: AttachmentState, out: LiaisonState
 ) -> None:
@@ -161,42 +128,35 @@ def on_bodies(
             generalised_force(bodies, state, attachments, end, f[0], f[1], f[2], m[0], m[1], m[2], part)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def evaluate_rows(
     table: LiaisonTable,
     bodies: BodyTable,
     state: MotionState,
     attachments: AttachmentState,
-    t: float,
     out: LiaisonState,
+    t: float,
 ) -> None:
     """Φ, A v + b, A v̇ + γ and the coefficients A of every row."""
     joint_coordinates(table, attachments, out)
-    work = np.empty((4, 3))
-    jet = np.empty(3)
-    out.rhs[:] = 0.0
-    for i in range(table.row.shape[0]):
+    if table.special[SPECIAL_COORDINATES] != 0:
+        call3(table.special[SPECIAL_COORDINATES], table, attachments, out, t)
+    i = 0
+    while i < table.row.shape[0]:
         kind = table.row[i, ROW_KIND]
         if kind == OFFSET:
-            offset_row(table, attachments, i, out)
-        elif kind == PRODUCT or kind == TWIST:
+            i = offset_rows(table, attachments, i, out)
+            continue
+        out.rhs[i] = 0.0
+        if kind == PRODUCT or kind == TWIST:
             turn_row(table, attachments, i, out)
         elif kind == RELATION or kind == RATE_RELATION:
             relation_row(table, i, t, out)
-        elif kind == PFAFFIAN:
-            pfaffian_row(table, attachments, i, t, out)
-        elif kind == CALLBACK:
-            callback_row(table, attachments, i, t, out)
-        else:
-            j = table.row[i, ROW_JOINT]
-            value = point_direction(table, attachments, i, t, out, work)
-            point_row(attachments, table.joint[j, 0], table.joint[j, 1], table.end_start[i], i, work, out)
-            out.position[i] = value if table.row[i, ROW_HOLONOMIC] == 1 else 0.0
-            if kind == DISTANCE:
-                f = table.row[i, ROW_FIRST]
-                o, e = table.function_start[f], table.function_start[f + 1]
-                evaluate(table.function_codes[o:e], table.function_values[o:e], t, jet)
-                out.rhs[i] = -jet[1]
-                out.velocity[i] -= jet[1]
-                out.acceleration[i] -= jet[2]
+        i += 1
+    if table.special[SPECIAL_ROWS] != 0:
+        call3(table.special[SPECIAL_ROWS], table, attachments, out, t)
     on_bodies(table, bodies, state, attachments, out)
+
+
+all_rows = Link(evaluate_rows)
+"""`evaluate_rows` by address."""

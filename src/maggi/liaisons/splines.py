@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from maggi.model.curves import SplineCurve, SplineSurface
 
@@ -25,6 +24,8 @@ def curve_pieces(curve: SplineCurve) -> tuple[Array, Array]:
     if np.any(chords == 0.0):
         raise ValueError(f"points {int(np.argmin(chords)) + 1} and the next are the same")
     breaks = np.concatenate([[0.0], np.cumsum(chords)])
+    from scipy.interpolate import CubicSpline  # not at the start of every run: it brings much along
+
     spline = CubicSpline(breaks, points, bc_type="periodic" if curve.closed else "natural")
     return breaks, np.ascontiguousarray(np.asarray(spline.c)[::-1].transpose(1, 2, 0))
 
@@ -39,6 +40,8 @@ def surface_pieces(surface: SplineSurface) -> tuple[Array, Array, Array]:
         raise ValueError(f"the heights are {z.shape}, the grid is ({x.size}, {y.size})")
     if np.any(np.diff(x) <= 0.0) or np.any(np.diff(y) <= 0.0):
         raise ValueError("the grid must increase")
+    from scipy.interpolate import CubicSpline  # not at the start of every run: it brings much along
+
     along_x = np.asarray(CubicSpline(x, z, axis=0, bc_type="natural").c)[::-1]  # (4, p − 1, q)
     both = np.asarray(CubicSpline(y, along_x, axis=2, bc_type="natural").c)[::-1]  # (4, q − 1, 4, p − 1)
     return x, y, np.ascontiguousarray(both.transpose(3, 1, 2, 0))

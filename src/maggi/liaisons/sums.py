@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from maggi.bodies.tables import AttachmentState
 from maggi.linalg.jets import evaluate_jet
 
-from .tables import RELATION, ROW_FIRST, ROW_KIND, ROW_SECOND, LiaisonState, LiaisonTable
+from .tables import JETS, RELATION, ROW_FIRST, ROW_KIND, ROW_SECOND, LiaisonState, LiaisonTable
 
 POSE = 12  # variables of one end: x, y, z, r11, r12, …, r33
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def relation_row(table: LiaisonTable, i: int, t: float, out: LiaisonState) -> None:
     """g(t, q₁ … q_n) = 0 of joint coordinates, or g(t, q̇₁ … q̇_n) = 0, linear in the rates.
 
@@ -25,8 +24,10 @@ def relation_row(table: LiaisonTable, i: int, t: float, out: LiaisonState) -> No
     a, b = table.function_start[f], table.function_start[f + 1]
     codes, values = table.function_codes[a:b], table.function_values[a:b]
     level = 0 if table.row[i, ROW_KIND] == RELATION else 1
-    jets = np.zeros((n + 1, 3))
-    jet = np.empty(3)
+    jets, jet = out.scratch[JETS : JETS + n + 1], out.scratch[0]
+    for k in range(n + 1):
+        for l in range(3):
+            jets[k, l] = 0.0
     jets[0, 0] = t
     for k in range(n):
         jets[k + 1, 0] = out.coordinate[table.integers[o + 1 + k], level]
@@ -63,7 +64,7 @@ def relation_row(table: LiaisonTable, i: int, t: float, out: LiaisonState) -> No
         out.rhs[i] = jet[0]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def pfaffian_row(table: LiaisonTable, attachments: AttachmentState, i: int, t: float, out: LiaisonState) -> None:
     """Σ a_k(t, poses) u_k + b(t, poses) = 0 on velocity components u_k of the row's ends.
 
@@ -73,8 +74,10 @@ def pfaffian_row(table: LiaisonTable, attachments: AttachmentState, i: int, t: f
     o = table.row[i, ROW_FIRST]
     start = table.end_start[i]
     ends = table.end_start[i + 1] - start
-    jets = np.zeros((1 + POSE * ends, 3))
-    jet = np.empty(3)
+    jets, jet = out.scratch[JETS : JETS + 1 + POSE * ends], out.scratch[0]
+    for k in range(1 + POSE * ends):
+        for l in range(3):
+            jets[k, l] = 0.0
     jets[0, 0] = t
     jets[0, 1] = 1.0
     for k in range(ends):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from maggi.linalg.table import Table
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -40,11 +42,16 @@ SURFACE = 12  # function F, or minus one minus the start of a spline in `data`: 
 PFAFFIAN = 13  # start in `integers`: sum of functions of time, positions and rotations times velocities
 CALLBACK = 14  # start in `integers`, number of the row among those of the function
 
+JETS = 12  # where in the scratch room the jets of functions' variables start
+
+SPECIAL_COORDINATES, SPECIAL_ROWS = 0, 1  # places in LiaisonTable.special
+
 # Columns of LiaisonTable.curve.
 CURVE_FUNCTION, CURVE_DATA, CURVE_PIECES, CURVE_CLOSED = 0, 1, 2, 3
 
 
-class LiaisonTable(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class LiaisonTable(Table):
     """Constants of all joints and rows. j joints, c coordinates, r rows, e ends of rows.
 
     joint (j, 2): attachments of first and second; frame (j, 2, 3, 3): the joint's axes as columns, in the
@@ -58,6 +65,8 @@ class LiaisonTable(NamedTuple):
     skyline_first (r,): first row coupled with row i (an envelope); skyline_start (r + 1,).
     function_start (f + 1,), function_codes, function_values: functions of time and other variables, postfix.
     curve (k, 4): first of three functions (or −1), start in `data`, number of spline pieces, closed.
+    measured: coordinates that are evaluated with the rows, all or those that rows need.
+    special (2,): addresses of `special.special_coordinates` and `special_rows`, 0 where nothing needs them.
     integers, data: what rows and curves need beyond that; see `liaisons` where they are read.
     """
 
@@ -75,11 +84,14 @@ class LiaisonTable(NamedTuple):
     function_codes: IntArray
     function_values: Array
     curve: IntArray
+    measured: IntArray
+    special: IntArray
     integers: IntArray
     data: Array
 
 
-class LiaisonState(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class LiaisonState(Table):
     """Values of all rows at one state.
 
     A (flat): coefficients on the bodies' small coordinates (Eq. T7). position, velocity, acceleration (r,):
@@ -87,6 +99,7 @@ class LiaisonState(NamedTuple):
     velocity and angular velocity of each of its ends, global components.
     coordinate (c, 3): joint coordinates, unwrapped, with rate and acceleration. coordinate_wrench (c, 2, 6): the rate's
     coefficients on the twists of first and second. previous (c,): the value that unwrapping starts from.
+    scratch (16 or more, 3): room for kernels, of which rows of functions use those from JETS on.
     """
 
     A: Array
@@ -98,3 +111,4 @@ class LiaisonState(NamedTuple):
     coordinate: Array
     coordinate_wrench: Array
     previous: Array
+    scratch: Array

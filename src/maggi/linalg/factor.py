@@ -8,6 +8,8 @@ there SuperLU exchanges rows.
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -15,6 +17,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
+# rslab's allocator keeps what it has freed for a while, a sixth of a factor on top of it; read when it is loaded
+os.environ.setdefault("MIMALLOC_PURGE_DELAY", "0")
 try:
     import rslab
 except ImportError:  # no wheel for this platform
@@ -23,8 +27,10 @@ except ImportError:  # no wheel for this platform
 Array = NDArray[np.float64]
 Backend = Literal["auto", "rslab", "superlu"]
 
-# Above this order nested dissection wins rslab's race of orderings on every solid mesh tried: no race is needed.
-DISSECTION_ORDER = 20_000
+# From this order on nested dissection, whose tree lets two cores share a solve. Orderings with less fill for slender
+# bodies have a tree that is a chain, along which one core works.
+DISSECTION_ORDER = 8_000
+LEAF = 50  # unknowns that the dissection leaves together
 # A known solution is found again to about 1e-16 times the condition number; with less than three digits left, the
 # factor is of no use.
 PROBE_TOLERANCE = 1e-3
@@ -41,6 +47,10 @@ class Factor(Protocol):
     def order(self) -> int:
         """The number n of unknowns."""
 
+    @property
+    def nbytes(self) -> int:
+        """Memory that the factor holds."""
+
     def solve(self, b: Array) -> Array:
         """The solution x (n,) of A x = b, for b (n,); b is left as it is."""
 
@@ -51,13 +61,14 @@ class Factor(Protocol):
 class RslabFactor:
     """P A Pᵀ = L D Lᵀ by rslab, on as many cores as pay."""
 
-    def __init__(self, matrix: csc_array) -> None:
-        self.order = matrix.shape[0]
-        ordering = "metis" if self.order > DISSECTION_ORDER else "auto"
+    def __init__(self, order: int, factorise: Callable[[], Any]) -> None:
+        """What a function of rslab's returns."""
+        self.order = order
         try:
-            self._handle = rslab.ldlt(matrix, ordering=ordering)
+            self._handle = factorise()
         except RuntimeError as error:  # a pivot that is zero to working precision
-            raise SingularMatrixError(_message(self.order)) from error
+            raise SingularMatrixError(_message(order)) from error
+        self.nbytes = int(self._handle.heap_bytes)
 
     def solve(self, b: Array) -> Array:
         """See `Factor.solve`."""
@@ -77,7 +88,7 @@ class SuperLUFactor:
 
     def __init__(self, matrix: csc_array, *, pivoting: bool = False) -> None:
         self.order = matrix.shape[0]
-        self._scale = _scale(matrix)
+        self._scale = _scale(matrix.diagonal())
         scaling = diags_array(self._scale)
         scaled = csc_array(scaling @ matrix @ scaling)
         try:
@@ -89,6 +100,7 @@ class SuperLUFactor:
                 )
         except RuntimeError as error:  # "Factor is exactly singular"
             raise SingularMatrixError(_message(self.order)) from error
+        self.nbytes = 12 * int(self._handle.nnz)
 
     def solve(self, b: Array) -> Array:
         """See `Factor.solve`."""
@@ -119,43 +131,86 @@ def factorise(matrix: Any, backend: Backend = "auto") -> Factor:
     rows, columns = csc.shape
     if rows != columns or rows == 0:
         raise ValueError(f"a square matrix is needed, not one of shape {csc.shape}")
-    if not np.isfinite(csc.data).all():
-        at = int(np.flatnonzero(~np.isfinite(csc.data))[0])
-        column = int(np.searchsorted(csc.indptr, at, side="right")) - 1
-        raise ValueError(f"entry ({csc.indices[at]}, {column}) of the matrix is {csc.data[at]}")
+    _refuse_infinite(csc)
     if backend == "rslab" and rslab is None:
         raise ModuleNotFoundError("rslab is not installed")
-    plain = RslabFactor if backend != "superlu" and rslab is not None else SuperLUFactor
+    diagonal = csc.diagonal()
     try:
-        return _probed(plain(csc), csc)
+        if backend == "superlu" or rslab is None:
+            return _probed(SuperLUFactor(csc), diagonal, csc.__matmul__)
+        return _probed(RslabFactor(rows, lambda: rslab.ldlt(csc, **_ordering(rows))), diagonal, csc.__matmul__)
     except SingularMatrixError:
         # Of a definite matrix this is the last word. Others may only have needed pivots from off the diagonal.
-        if backend == "rslab" or csc.diagonal().min() > 0.0:
+        if backend == "rslab" or diagonal.min() > 0.0:
             raise
-    return _probed(SuperLUFactor(csc, pivoting=True), csc)
+    return _probed(SuperLUFactor(csc, pivoting=True), diagonal, csc.__matmul__)
 
 
-def _probed(factor: Factor, matrix: csc_array) -> Factor:
-    """The factor, after it has found a known random solution again.
+class Pattern:
+    """The pattern of a symmetric matrix, whose analysis serves any number of factorisations.
+
+    indptr (n+1,), indices (m,): the lower triangle by columns, which is the upper one by rows; the diagonal entry is
+    the first of each, the others are sorted behind it.
+    """
+
+    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32]) -> None:
+        self._indptr, self._indices = indptr, indices
+        self._analysis: Any = None
+
+    def factorise(self, values: Array) -> Factor:
+        """The factor of the matrix with these entries (m,); raises as the function `factorise` does."""
+        n = self._indptr.size - 1
+        triangle = csc_array((values, self._indices, self._indptr), shape=(n, n))
+        triangle.has_canonical_format = True
+        _refuse_infinite(triangle)
+        diagonal = values[self._indptr[:-1]]
+
+        def product(x: Array) -> Array:
+            return np.asarray(triangle @ x + triangle.T @ x - diagonal * x)
+
+        if rslab is not None:
+            if self._analysis is None:
+                self._analysis = rslab.analyze(triangle, path="ldlt", **_ordering(n))
+            try:
+                return _probed(RslabFactor(n, lambda: self._analysis.factor(values)), diagonal, product)
+            except SingularMatrixError:
+                if diagonal.min() > 0.0:
+                    raise
+        return factorise(triangle + triangle.T - diags_array(diagonal), "superlu")
+
+
+def _ordering(order: int) -> dict[str, Any]:
+    return {"ordering": "metis", "nd_leaf_size": LEAF} if order >= DISSECTION_ORDER else {}
+
+
+def _refuse_infinite(matrix: csc_array) -> None:
+    if not np.isfinite(matrix.data).all():
+        at = int(np.flatnonzero(~np.isfinite(matrix.data))[0])
+        column = int(np.searchsorted(matrix.indptr, at, side="right")) - 1
+        raise ValueError(f"entry ({matrix.indices[at]}, {column}) of the matrix is {matrix.data[at]}")
+
+
+def _probed(factor: Factor, diagonal: Array, product: Callable[[Array], Array]) -> Factor:
+    """The factor of the matrix with this diagonal and these products, after it has found a known random solution again.
 
     Neither backend notices a pivot that is only nearly zero, such as those of a body that nothing holds; here the
     free motion turns up in the solution with an error of order one. In the scaled unknowns, so that units do not matter.
     """
-    scale = _scale(matrix)
+    scale = _scale(diagonal)
     expected = np.random.default_rng(0).standard_normal(factor.order)
     with np.errstate(all="ignore"):
-        found = factor.solve(matrix @ (scale * expected)) / scale
+        found = factor.solve(product(scale * expected)) / scale
         error = float(np.linalg.norm(found - expected) / np.linalg.norm(expected))
     if not error < PROBE_TOLERANCE:  # also if it is not finite
         raise SingularMatrixError(_message(factor.order))
     return factor
 
 
-def _scale(matrix: csc_array) -> Array:
+def _scale(diagonal: Array) -> Array:
     """|a_ii|^(-1/2), or 1 where the diagonal is zero (n,)."""
-    diagonal = np.abs(matrix.diagonal())
-    diagonal[diagonal == 0.0] = 1.0
-    return np.asarray(1.0 / np.sqrt(diagonal), dtype=np.float64)
+    size = np.abs(diagonal)
+    size[size == 0.0] = 1.0
+    return np.asarray(1.0 / np.sqrt(size), dtype=np.float64)
 
 
 def _message(order: int) -> str:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from .mesh import Array, IntArray, Mesh
 
@@ -128,6 +127,8 @@ def _cylinder(offsets: Array, principal: Array) -> tuple[Array, Array, float, fl
 
     center, radius, _ = _circle(offsets, start)
     guess = np.array([0.0, 0.0, center @ first, center @ second, radius])
+    from scipy.optimize import least_squares  # not at the start of every run: it brings much along
+
     fit = least_squares(distances, guess, x_scale=[1.0, 1.0, radius, radius, radius], max_nfev=50)
     axis, center = unpack(fit.x)
     center = center - (center @ axis) * axis

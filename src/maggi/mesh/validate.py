@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from maggi.model.errors import MeshError
 
@@ -142,6 +141,8 @@ def _coincident(mesh: Mesh, part: IntArray) -> list[tuple[int, int]]:
     """Labels of pairs of nodes of different parts at one place: for each node its nearest other, once."""
     low, high = mesh.bounding_box()
     reach = _COINCIDENT * float(np.linalg.norm(high - low))
+    from scipy.spatial import cKDTree  # not at the start of every run: it brings much along
+
     distance, neighbour = cKDTree(mesh.nodes).query(mesh.nodes, k=2, distance_upper_bound=reach)
     own = np.arange(mesh.n_nodes)
     other = np.where(neighbour[:, 0] == own, neighbour[:, 1], neighbour[:, 0])

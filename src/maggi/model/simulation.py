@@ -21,7 +21,9 @@ class Outputs:
 class Simulation:
     """A transient run: duration and step (s).
 
-    method: ``generalized-alpha`` of fixed steps, with spectral radius `rho_inf` at infinity and `tolerance` the relative
+    accuracy: None for steps of that size; otherwise the local error that a step may make in any position, relative to the
+    mechanism's size (angles: rad), and steps are `step` over powers of two, as long as that allows.
+    method: ``generalized-alpha``, with spectral radius `rho_inf` at infinity and `tolerance` the relative
     error left by a step's iteration; or an adaptive integrator of the equations in the true freedoms, ``dop853`` (explicit,
     order 8) or ``radau`` (implicit, order 5), with `tolerance` the relative error of one of its own steps and `step` the
     grid of instants that rows are written at. start: elastic bodies in balance with the
@@ -36,3 +38,4 @@ class Simulation:
     start: Literal["quasi-static", "undeformed"] = "quasi-static"
     method: Method = "generalized-alpha"
     assemble: bool = False
+    accuracy: float | None = None

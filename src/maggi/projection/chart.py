@@ -195,7 +195,7 @@ class ChartEvaluation:
         system, state, motion = self.system, self.state, self.state.motion
         direction = self._direction / self._pace()
         sd, nud = np.zeros_like(s), np.zeros_like(nu)
-        smooth = [part for part in state[: ChartState._fields.index("pivots")] if isinstance(part, np.ndarray)]
+        smooth = state.smooth()
         sums = [np.zeros_like(part) for part in smooth]
         # from the side on which the last evaluation was, so that only the step over the singular position is long
         ahead = (state.at[0] - t) * direction[0] + (state.s - s) @ direction[1:] > 0.0
@@ -216,7 +216,7 @@ class ChartEvaluation:
         motion.v[self.chart.table.unknown] = state.v
         motion.vd[self.chart.table.unknown] = state.vd
         attachment_motion(system.bodies, motion, self.attachments)
-        evaluate_rows(system.liaisons, system.bodies, motion, self.attachments, t, self.rows)
+        evaluate_rows(system.liaisons, system.bodies, motion, self.attachments, self.rows, t)
         self.rows.previous[:] = self.rows.coordinate[:, 0]
         return kernels.DONE, sd, nud
 

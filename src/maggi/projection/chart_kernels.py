@@ -133,7 +133,7 @@ def evaluate(
         motion.v[chart.unknown[i]] = v
     # accelerations
     attachment_motion(bodies, motion, attachments)
-    evaluate_rows(liaisons, bodies, motion, attachments, t, rows)
+    evaluate_rows(liaisons, bodies, motion, attachments, rows, t)
     out.gamma[:] = rows.acceleration
     z = np.empty((k, 1))
     for i in range(k):
@@ -209,7 +209,7 @@ def close(
     for attempt in range(MOST):
         displace(bodies, base, out.x, out.turns, motion)
         attachment_motion(bodies, motion, attachments)
-        evaluate_rows(liaisons, bodies, motion, attachments, t, rows)
+        evaluate_rows(liaisons, bodies, motion, attachments, rows, t)
         gather_rows(liaisons, bodies, chart.slot, rows.A, out.A)
         if largest <= SETTLED * chart.length or k == 0:
             break

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
+
+import numpy as np
 
 from maggi.bodies.tables import Array, IntArray, MotionState
+from maggi.linalg.table import Table
 
 
-class ChartTable(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class ChartTable(Table):
     """Constants of a chart. n small coordinates, u unknown velocities (prescribed frames left out), r rows.
 
     unknown (u,): which small coordinates they are; slot (n,): the reverse, −1 for prescribed ones.
@@ -34,7 +38,8 @@ class ChartTable(NamedTuple):
     length: float
 
 
-class ChartState(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class ChartState(Table):
     """What an evaluation leaves behind. x (n,): coordinates of the present state in the chart; turns (b, 3, 3): exp(θ̃) of the frames from the base.
 
     S_s (u, p), drift (u,): dependent coordinates' answer to s and t, by which the next evaluation is predicted; at (1,)
@@ -70,3 +75,11 @@ class ChartState(NamedTuple):
     pivots: Array
     generic: Array
     motion: MotionState
+
+    def smooth(self) -> list[Array]:
+        """What varies smoothly with the state: all arrays but those about the pivots."""
+        return [
+            value
+            for value in self
+            if isinstance(value, np.ndarray) and value is not self.pivots and value is not self.generic
+        ]

@@ -25,7 +25,7 @@ SUSPECT = 1e-5
 """Smallest pivot in the metric of the step from which on the geometric one is looked at."""
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def assemble_compliance(rows: LiaisonTable, bodies: BodyTable, A: Array, W: Array, out: Array) -> None:
     """Λ = Σ_b A_b W_b A_bᵀ into skyline storage: row i holds columns skyline_first[i] … i."""
     out[:] = 0.0
@@ -48,12 +48,14 @@ def assemble_compliance(rows: LiaisonTable, bodies: BodyTable, A: Array, W: Arra
                 out[rows.skyline_start[i] + j - rows.skyline_first[i]] += inner(product, A[p : p + n])
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _eliminate(i: int, first: IntArray, start: IntArray, L: Array, pivot: Array) -> float:
     """Row i of L D Lᵀ, in place; returns its pivot D. Dependent rows before it have pivot 0 and take no part."""
     o = start[i] - first[i]
     diagonal = L[o + i]
     for j in range(first[i], i):
+        if pivot[j] == 0.0:
+            continue
         p = start[j] - first[j]
         value = L[o + j]
         for k in range(max(first[i], first[j]), j):
@@ -67,21 +69,24 @@ def _eliminate(i: int, first: IntArray, start: IntArray, L: Array, pivot: Array)
     return float(diagonal)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def factorise(
     first: IntArray, start: IntArray, L: Array, pivot: Array, scale: Array, active: IntArray, all_rows: bool
 ) -> float:
     """L D Lᵀ of a positive semidefinite skyline matrix, in place; returns the smallest pivot kept, relative to scale.
 
-    pivot (r,): 1/D, zero for rows that depend on earlier ones, and unless all_rows
-    is true where active (r,) is 0. scale (r,): the largest
-    diagonal each row has had; a row at a singular position vanishes itself, so its present diagonal says nothing about
-    dependence.
+    pivot: 1/D, zero for rows that depend on earlier ones, and unless all_rows is true where active (r,) is 0. scale (r,):
+    the largest diagonal each row has had; a row at a singular position vanishes itself, so its present diagonal says
+    nothing about dependence. Rows of the matrix beyond the first r, springs, are always kept and do not count.
     """
     smallest = 1.0
     for i in range(first.shape[0]):
-        scale[i] = max(scale[i], L[start[i] - first[i] + i])
+        present = L[start[i] - first[i] + i]
         diagonal = _eliminate(i, first, start, L, pivot)
+        if i >= active.shape[0]:
+            pivot[i] = 1.0 / diagonal
+            continue
+        scale[i] = max(scale[i], present)
         if (all_rows or active[i] == 1) and diagonal > RANK_TOLERANCE * scale[i]:
             pivot[i] = 1.0 / diagonal
             smallest = min(smallest, diagonal / scale[i])
@@ -90,7 +95,7 @@ def factorise(
     return smallest
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def find_singular(first: IntArray, start: IntArray, L: Array, pivot: Array, scale: Array, active: IntArray) -> float:
     """Which rows are dependent by their geometry alone, with hysteresis; returns sin² of the smallest angle kept.
 
@@ -98,7 +103,7 @@ def find_singular(first: IntArray, start: IntArray, L: Array, pivot: Array, scal
     inactive too: they are dependent in any metric.
     """
     smallest = 1.0
-    for i in range(first.shape[0]):
+    for i in range(active.shape[0]):
         scale[i] = max(scale[i], L[start[i] - first[i] + i])
         diagonal = _eliminate(i, first, start, L, pivot)
         if diagonal > (SINGULAR if active[i] == 1 else REGULAR) * scale[i]:
@@ -111,16 +116,19 @@ def find_singular(first: IntArray, start: IntArray, L: Array, pivot: Array, scal
     return smallest
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def solve(first: IntArray, start: IntArray, L: Array, pivot: Array, x: Array) -> None:
-    """Solve Λ x = b in place; dependent rows get zero."""
-    r = first.shape[0]
+    """Solve Λ x = b in place, with the leading part of Λ where x is shorter; dependent rows get zero."""
+    r = x.shape[0]
     for i in range(r):
+        if pivot[i] == 0.0:
+            x[i] = 0.0
+            continue
         o = start[i] - first[i]
         value = x[i]
         for j in range(first[i], i):
             value -= L[o + j] * x[j]
-        x[i] = value if pivot[i] > 0.0 else 0.0
+        x[i] = value
     for i in range(r):
         x[i] *= pivot[i]
     for i in range(r - 1, -1, -1):
@@ -132,7 +140,7 @@ def solve(first: IntArray, start: IntArray, L: Array, pivot: Array, x: Array) ->
             x[i] = 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def transpose_product(rows: LiaisonTable, bodies: BodyTable, A: Array, x: Array, out: Array) -> None:
     """out (n,) = Aᵀ x over all bodies' small coordinates."""
     out[:] = 0.0
@@ -149,7 +157,7 @@ def transpose_product(rows: LiaisonTable, bodies: BodyTable, A: Array, x: Array,
                     out[o + k] += A[p + k] * value
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def product(rows: LiaisonTable, bodies: BodyTable, A: Array, v: Array, out: Array) -> None:
     """out (r,) = A v."""
     out[:] = 0.0
@@ -166,7 +174,7 @@ def product(rows: LiaisonTable, bodies: BodyTable, A: Array, v: Array, out: Arra
             out[rows.incidence[y, 0]] += value
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def block_product(bodies: BodyTable, W: Array, f: Array, out: Array, of_meshes: bool = False) -> None:
     """out (n,) = W f, block by block. of_meshes: only those of meshed bodies, since the others are zero."""
     if of_meshes:

@@ -50,6 +50,8 @@ def compile_step() -> None:
 
     from .stepper import Stepper
 
-    Stepper(build_system(Model(bodies={"body": RigidBody(1.0)})), 0.9, 1e-8, 1.0, 1.0).advance(0.0, 0)
+    stepper = Stepper(build_system(Model(bodies={"body": RigidBody(1.0)})), 0.9, 1e-8, 1.0, 1.0)
+    stepper.link()
+    stepper.advance(0.0, 0)
     folder = Path(os.environ["NUMBA_CACHE_DIR"])
     (folder / MARKER).touch()

@@ -7,48 +7,87 @@ from numpy.typing import NDArray
 
 from maggi.bodies.tables import RITZ, BodyTable, MotionState
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
-from maggi.system.dense import new_attachments, new_rows, velocity_scale
+from maggi.projection.tree_build import RelativeSystem, new_joint_poses, new_tree_work
+from maggi.system.dense import new_attachments, new_row_values, new_rows, velocity_scale
 from maggi.system.system import System
 
-from .tables import SmallSystem, StepState, StepVectors, StepWork
+from .tables import LINKS, Instant, SmallSystem, StepState, StepVectors, StepWork
 
 Array = NDArray[np.float64]
 
 
-def small_system(system: System) -> SmallSystem:
+def small_system(system: System, relative: RelativeSystem) -> SmallSystem:
     """The constants that the kernels read."""
-    return SmallSystem(system.bodies, system.motions, system.liaisons, system.forces)
+    return SmallSystem(
+        bodies=system.bodies,
+        step_bodies=relative.bodies,
+        frame_rotation=relative.frame_rotation,
+        frame_position=relative.frame_position,
+        motions=system.motions,
+        closures=relative.closures,
+        all_liaisons=system.liaisons,
+        forces=system.forces,
+        tree=relative.tree,
+        floor=system.inertia_floor,
+        links=np.zeros(LINKS, dtype=np.int64),
+        joint_row_start=relative.joint_row_start,
+        joint_row=relative.joint_row,
+        joint_end=relative.joint_end,
+        closure_row=relative.closure_row,
+        joint_turn=relative.joint_turn,
+    )
 
 
 def copy_motion(motion: MotionState) -> MotionState:
     """An independent copy."""
-    return MotionState(*(part.copy() for part in motion))
+    return motion.copy()
 
 
-def new_state(system: System, least_speed: float, least_acceleration: float) -> StepState:
-    """A state at the initial pose, at rest; the leasts keep residuals finite where nothing moves."""
-    n, r, b = system.coordinates, system.rows, system.bodies.kind.size
+def new_instant(system: System, least_speed: float, least_acceleration: float) -> Instant:
+    """The initial pose, at rest; the leasts keep residuals finite where nothing moves."""
+    return Instant(
+        now=system.start.copy(),
+        attachments=new_attachments(system.bodies.attachment_body.size),
+        rows=new_rows(system),
+        multipliers=np.zeros(system.rows),
+        active=np.ones(system.rows, dtype=np.int64),
+        power=np.zeros(3),
+        work=np.zeros(4),
+        scales=np.array([system.size, least_speed, least_acceleration, least_speed, least_acceleration]),
+    )
+
+
+def new_state(system: System, relative: RelativeSystem, instant: Instant) -> StepState:
+    """The initial pose, at rest, in the frames of the step, of a run that `instant` shows."""
+    m, r, b, x = len(relative.tree.size), len(relative.closures.row), system.bodies.kind.size, len(relative.tree.body)
     vectors = StepVectors(
-        a=np.zeros(n),
-        a_next=np.zeros(n),
-        a_previous=np.zeros(n),
-        increment=np.zeros(n),
+        a=np.zeros(m),
+        a_next=np.zeros(m),
+        a_previous=np.zeros(m),
+        a_older=np.zeros(m),
+        a_oldest=np.zeros(m),
+        nu=np.zeros(m),
+        nu_next=np.zeros(m),
+        nud=np.zeros(m),
+        nud_next=np.zeros(m),
+        increment=np.zeros(m),
         multipliers=np.zeros(r),
         multipliers_next=np.zeros(r),
         multipliers_previous=np.zeros(r),
-        applied=np.zeros(n),
-        work=np.zeros(4),
-        power=np.zeros(3),
-        scales=np.array([system.size, least_speed, least_acceleration, least_speed, least_acceleration]),
         elastic=np.zeros((b, 2)),
         contraction=np.array([0.1, 100.0]),
     )
     return StepState(
-        copy_motion(system.start),
-        copy_motion(system.start),
-        new_attachments(system.bodies.attachment_body.size),
-        new_rows(system),
-        vectors,
+        accepted=system.start.copy(),
+        joints=new_joint_poses(x),
+        motion=system.start.copy(),
+        joints_next=new_joint_poses(x),
+        attachments=new_attachments(system.bodies.attachment_body.size),
+        rows=new_row_values(relative.closures, relative.coefficients),
+        vectors=vectors,
+        scales=instant.scales,
+        power=instant.power,
+        work=instant.work,
     )
 
 
@@ -79,39 +118,45 @@ def elastic_compliances(bodies: BodyTable, c: GeneralizedAlpha, out: Array) -> N
         out[part] = (0.5 * (inverse + inverse.T)).ravel()
 
 
-def new_work(system: System) -> StepWork:
+def new_work(system: System, relative: RelativeSystem) -> StepWork:
     """Scratch arrays."""
-    n, r = system.coordinates, system.rows
+    tree = relative.tree
+    n, m = system.coordinates, len(tree.size)
+    r, q = len(relative.closures.row), len(tree.skyline_first)
     blocks = int(system.bodies.block[-1])
-    skyline = int(system.liaisons.skyline_start[-1])
-    springs = len(system.forces.spring_ends) + system.forces.torsion_coordinate.size
+    widest = int(np.diff(system.bodies.offset).max(initial=0))
     return StepWork(
+        tree=new_tree_work(tree),
         W=np.zeros(blocks),
         elastic=np.zeros(system.bodies.m.size),
         W_Z=np.zeros(blocks),
         W_D=np.zeros(blocks),
-        L=np.zeros(skyline),
-        pivot=np.zeros(r),
+        L=np.zeros(int(tree.skyline_start[-1])),
+        pivot=np.zeros(q),
         scale=np.zeros(r),
-        base=np.zeros(n),
-        accounted=np.zeros(n),
-        position_force=np.zeros(n),
-        velocity_force=np.zeros(n),
-        residual=np.zeros(n),
-        loads=np.zeros(n),
-        delta=np.zeros(n),
-        shift=np.zeros(n),
-        rate_shift=np.zeros(n),
-        vector=np.zeros(n),
-        pi=np.zeros(r),
-        kappa=np.zeros(r),
-        phi=np.zeros(r),
         active=np.ones(r, dtype=np.int64),
         metric=geometric_metric(system),
         metric_scale=np.zeros(r),
-        spring_J=np.zeros((springs, n)),
-        spring_W=np.zeros((springs, n)),
-        spring_border=np.zeros((springs, r)),
-        spring_inverse=np.zeros((springs, springs)),
-        spring_force=np.zeros(springs),
+        base=np.zeros(m),
+        accounted=np.zeros(m),
+        position_force=np.zeros(m),
+        velocity_force=np.zeros(m),
+        given=np.zeros(n),
+        loads=np.zeros(n),
+        stiffness=np.zeros(m),
+        on_joints=np.zeros(m),
+        force=np.zeros(m),
+        delta=np.zeros(m),
+        shift=np.zeros(m),
+        rate_shift=np.zeros(m),
+        step=np.zeros(m),
+        pi=np.zeros(r),
+        kappa=np.zeros(r),
+        phi=np.zeros(q),
+        rates=np.zeros(q),
+        product=np.zeros(max(widest, m)),
+        ritz=np.zeros((14, widest)),
+        method=np.zeros(6),
+        flags=np.zeros(3, dtype=np.int64),
+        numbers=np.zeros(6),
     )

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import attachment_motion
+from maggi.bodies.kernels import attachment_motion, move
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MotionState
 from maggi.liaisons.tables import ROLL, ROW_JOINT, ROW_KIND
@@ -15,8 +15,6 @@ from maggi.system.dense import dense_rows, new_attachments
 from maggi.system.system import LiaisonEntry, System
 
 from .allocate import copy_motion
-from .kernels import move
-from .tables import StepState
 
 Array = NDArray[np.float64]
 
@@ -32,24 +30,27 @@ _ENDED = {
 _FORMULA = "a function of {name!r} has no finite value"
 
 
-def why_undefined(system: System, state: StepState, t: float, h: float) -> str | None:
+def why_undefined(
+    system: System, now: MotionState, trial: MotionState, previous: Array, t: float, h: float
+) -> str | None:
     """Which joint has no finite rows in a trial step of size h (s) to time t although the motion is finite, and why.
 
-    Where the trial has already spoilt the motion, the present one is continued at constant velocity over one step and more
-    instead. None where all rows are finite there.
+    previous (c,): joint coordinates at the beginning of the step. Where the trial has already spoilt the motion, the present
+    one is continued at constant velocity over one step and more instead. None where all rows are finite there.
     """
     raised = why_raised(system)
     if raised is not None:
         return raised
-    trial = _Rows(state.rows.position, state.rows.velocity, state.rows.acceleration)
-    if all(np.isfinite(part).all() for part in (state.next.origin, state.next.rotation, state.next.e, state.next.v)):
-        return _ended(system, trial)
-    ahead = copy_motion(state.now)
+    if all(np.isfinite(part).all() for part in (trial.origin, trial.rotation, trial.e, trial.v)):
+        with np.errstate(invalid="ignore"):
+            rows = dense_rows(system, trial, t, previous)
+        return _ended(system, _Rows(rows.position, rows.velocity, rows.acceleration))
+    ahead = copy_motion(now)
     for k in range(_DOUBLINGS):
-        move(system.bodies, state.now, 2.0**k * h * state.now.v, ahead)
+        move(system.bodies, now, 2.0**k * h * now.v, ahead)
         prescribe(system.motions, system.bodies, t, ahead)
         with np.errstate(invalid="ignore"):
-            rows = dense_rows(system, ahead, t, state.rows.previous)
+            rows = dense_rows(system, ahead, t, previous)
         ended = _ended(system, _Rows(rows.position, rows.velocity, rows.acceleration))
         if ended is not None:
             return ended

@@ -1,4 +1,4 @@
-"""Compiled passes over a meshed body's freedoms: Newmark's prediction and the correction, nothing allocated."""
+"""Compiled passes over a meshed body's freedoms, nothing allocated, and what connects them with its small coordinates."""
 
 from __future__ import annotations
 
@@ -34,13 +34,11 @@ def predict_nodal(
         u_next[i] = u[i] + c.h * ud[i] + c.h * c.h * ((0.5 - c.beta) * a[i] + c.beta * b)
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, parallel=True, fastmath={"contract", "reassoc"})
 def correct_nodal(
     c: GeneralizedAlpha,
-    free: Array,
-    Y: Array,
-    Z: Array,
-    Z_D: Array,
+    x: Array,
+    responses: Array,
     force: Array,
     position_force: Array,
     velocity_force: Array,
@@ -48,28 +46,111 @@ def correct_nodal(
     ud_next: Array,
     udd_next: Array,
     a_next: Array,
-    squares: Array,
+    sizes: Array,
 ) -> None:
-    """δ = x − Yφ − Zπ − Z_Dκ and what follows from it, with the shifts Yπ, Yκ (Theory §5, step 6).
+    """δ = −x − Yφ − Zπ − Z_Dκ and what follows from it, with the shifts Yπ, Yκ (Theory §5, step 6).
 
-    squares (p,): sums of δ² over p equal parts of the freedoms, so that their sum does not depend on the threads.
+    responses (k, nd, 12 or 18): Y, Z and, with damping, Z_D of one attachment side by side. force, position_force,
+    velocity_force (6k,): φ, π, κ. sizes (p, 2): sums of δ² and the largest |u| of p equal parts of the freedoms,
+    so that their sum does not depend on the threads.
     """
-    parts = squares.size
-    k = force.size
+    parts = sizes.shape[0]
+    loaded = np.empty(responses.shape[0], np.int64)
+    count = 0
+    for k in range(responses.shape[0]):
+        for j in range(6 * k, 6 * k + 6):
+            if force[j] != 0.0 or position_force[j] != 0.0 or velocity_force[j] != 0.0:
+                loaded[count] = k
+                count += 1
+                break
+    damped = responses.shape[2] == 18
     for part in prange(parts):
         total = 0.0
-        for i in range(free.size * part // parts, free.size * (part + 1) // parts):
-            delta = free[i]
+        largest = 0.0
+        for i in range(x.size * part // parts, x.size * (part + 1) // parts):
+            delta = x[i]
             shift = 0.0
             rate_shift = 0.0
-            for j in range(k):
-                y = Y[i, j]
-                delta -= y * force[j] + Z[i, j] * position_force[j] + Z_D[i, j] * velocity_force[j]
-                shift += y * position_force[j]
-                rate_shift += y * velocity_force[j]
+            for k in range(count):
+                first = 6 * loaded[k]
+                row = responses[loaded[k], i]
+                for j in range(6):
+                    y = row[j]
+                    delta += y * force[first + j] + row[6 + j] * position_force[first + j]
+                    shift += y * position_force[first + j]
+                    rate_shift += y * velocity_force[first + j]
+                if damped:
+                    for j in range(6):
+                        delta += row[12 + j] * velocity_force[first + j]
             total += delta * delta
-            a_next[i] += delta
-            udd_next[i] += c.sigma * delta
-            ud_next[i] += c.gamma * c.h * delta + rate_shift
-            u_next[i] += c.beta * c.h * c.h * delta + shift
-        squares[part] = total
+            a_next[i] -= delta
+            udd_next[i] -= c.sigma * delta
+            ud_next[i] -= c.gamma * c.h * delta - rate_shift
+            u_next[i] -= c.beta * c.h * c.h * delta - shift
+            largest = max(largest, abs(u_next[i]))
+        sizes[part, 0] = total
+        sizes[part, 1] = largest
+
+
+@njit(cache=True)
+def attachment_values(indptr: Array, indices: Array, values: Array, factor: float, x: Array, out: Array) -> None:
+    """``out = factor Bᵀ x``; B (nd, 6k) by columns: indptr, indices, values."""
+    for j in range(out.size):
+        total = 0.0
+        for p in range(indptr[j], indptr[j + 1]):
+            total += values[p] * x[indices[p]]
+        out[j] = factor * total
+
+
+@njit(cache=True)
+def inner_product(x: Array, y: Array) -> float:
+    """x · y, in one order: BLAS would share it among its threads."""
+    total = 0.0
+    for i in range(x.size):
+        total += x[i] * y[i]
+    return total
+
+
+@njit(cache=True)
+def distance(x: Array, y: Array) -> float:
+    """|x − y|, in one order."""
+    total = 0.0
+    for i in range(x.size):
+        total += (x[i] - y[i]) * (x[i] - y[i])
+    return float(np.sqrt(total))
+
+
+@njit(cache=True)
+def frame_compliance(sigma: float, mass: float, S: Array, J: Array, out: Array) -> None:
+    """``(σ J₆)⁻¹``, J₆ = [[m I, −S̃], [S̃, J]], into out (6, 6): by the inertia about the centre of mass, s = S/m."""
+    s0, s1, s2 = S[0] / mass, S[1] / mass, S[2] / mass
+    # J_s = J − m (s·s I − s sᵀ), and its adjugate
+    square = s0 * s0 + s1 * s1 + s2 * s2
+    a = J[0, 0] - mass * (square - s0 * s0)
+    b = J[1, 1] - mass * (square - s1 * s1)
+    c = J[2, 2] - mass * (square - s2 * s2)
+    d = 0.5 * (J[0, 1] + J[1, 0]) + mass * s0 * s1
+    e = 0.5 * (J[0, 2] + J[2, 0]) + mass * s0 * s2
+    f = 0.5 * (J[1, 2] + J[2, 1]) + mass * s1 * s2
+    i00, i11, i22 = b * c - f * f, a * c - e * e, a * b - d * d
+    i01, i02, i12 = e * f - d * c, d * f - e * b, d * e - a * f
+    scale = 1.0 / (sigma * (a * i00 + d * i01 + e * i02))
+    out[3, 3], out[3, 4], out[3, 5] = scale * i00, scale * i01, scale * i02
+    out[4, 3], out[4, 4], out[4, 5] = scale * i01, scale * i11, scale * i12
+    out[5, 3], out[5, 4], out[5, 5] = scale * i02, scale * i12, scale * i22
+    # upper right: s̃ J_s⁻¹; upper left: I/m − s̃ J_s⁻¹ s̃, where (row) s̃ = row × s
+    for k in range(3, 6):
+        x, y, z = out[3, k], out[4, k], out[5, k]
+        out[0, k] = s1 * z - s2 * y
+        out[1, k] = s2 * x - s0 * z
+        out[2, k] = s0 * y - s1 * x
+    for i in range(3):
+        for k in range(3, 6):
+            out[k, i] = out[i, k]
+    for i in range(3):
+        x, y, z = out[i, 3], out[i, 4], out[i, 5]
+        out[i, 0] = -(y * s2 - z * s1)
+        out[i, 1] = -(z * s0 - x * s2)
+        out[i, 2] = -(x * s1 - y * s0)
+        out[i, i] += 1.0 / (sigma * mass)
+    out[1, 0], out[2, 0], out[2, 1] = out[0, 1], out[0, 2], out[1, 2]

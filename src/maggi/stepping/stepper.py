@@ -11,18 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maggi.bodies.kernels import mass_matrix
-from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MESH, RITZ
 from maggi.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha, instantaneous
 from maggi.model.errors import SimulationError
 from maggi.projection.redundancy import least_norm, left_null_space
+from maggi.projection.tree_build import relative_motion, relative_system
+from maggi.system.dense import dense_rows
 from maggi.system.system import System
 
 from . import ahead, kernels
-from .allocate import elastic_compliances, new_state, new_work, small_system
+from .allocate import elastic_compliances, geometric_metric, new_instant, new_state, new_work, small_system
 from .failures import almost_flat, why_undefined
-from .mesh_step import MeshStep
+from .instant_kernels import show, to_model
+from .linking import link
+from .mesh_groups import mesh_groups
 from .policy import MOST, SolvePolicy
+from .tables import BOUND, CALM, DISSIPATION, ERROR, ORDER
 
 Array = NDArray[np.float64]
 
@@ -34,7 +38,7 @@ FORCE_SHARE = 1e3
 @dataclass
 class Counts:
     """What a run has cost: steps, corrections of the small system, back-substitutions of each meshed body, and
-    factorisations and restarts in all.
+    factorisations and restarts in all; steps not accepted because of their local error.
     """
 
     steps: int = 0
@@ -42,6 +46,7 @@ class Counts:
     back_substitutions: int = 0
     factorisations: int = 0
     restarts: int = 0
+    rejected: int = 0
 
 
 class Stepper:
@@ -67,85 +72,127 @@ class Stepper:
         announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.system = system
-        self.small = small_system(system)
-        self.state = new_state(system, least_speed, least_acceleration)
-        self.work = new_work(system)
-        self.meshes = [MeshStep(body, index, system.bodies) for index, body in system.mesh_bodies.items()]
+        self.relative = relative_system(system)
+        self.small = small_system(system, self.relative)
+        self.state = new_instant(system, least_speed, least_acceleration)
+        self.trial = new_state(system, self.relative, self.state)
+        self.tried = new_instant(system, least_speed, least_acceleration)
+        self.work = new_work(system, self.relative)
+        self.mesh_groups = mesh_groups(system, self.relative)
+        self.meshes = sorted((m for group in self.mesh_groups for m in group.meshes), key=lambda mesh: mesh.index)
         self.counts = Counts()
         self.policy = SolvePolicy(exact=exact)
         self.coefficients = instantaneous()
         self.last_iterations = 0
+        self.reason = kernels.CONVERGED  # why the last call of `advance` ended
         self._rho_inf = rho_inf
         self._tolerance = tolerance
         self._announce = announce
-        self._smooth = False  # whether the last two accelerations belong to one step size
+        self._alike = 0  # how many accelerations before the last belong to the same step size
+        self._time = 0.0
 
     def set_step(self, h: float) -> None:
         """Prepare for steps of size h (s): matrices of all bodies, factorised once."""
-        if self.coefficients.h == h:
+        before = self.coefficients.h
+        if before == h:
             return
+        if before > 0.0:  # a = v̇ + (½ − γ) h v̈ + … belongs to its step
+            vectors = self.trial.vectors
+            vectors.a[:] = vectors.nud + h / before * (vectors.a - vectors.nud)
+            for mesh in self.meshes:
+                mesh.rescale(h / before)
         self.coefficients = generalized_alpha(h, self._rho_inf)
         c, work = self.coefficients, self.work
         self._condense(c)
         for mesh in self.meshes:
-            self._announce(f"factorising {mesh.body.name} ({mesh.body.size:,} freedoms)")
+            if not mesh.shared.has(c):
+                self._announce(f"factorising {mesh.body.name} ({mesh.body.size:,} freedoms)")
             self.counts.factorisations += mesh.prepare(c, work.W, work.W_Z, work.W_D)
         self.policy.restart()
-        self._smooth = False
+        self._alike = 0
 
     def _condense(self, c: GeneralizedAlpha) -> None:
-        """Compliances of rigid and Ritz bodies for a step."""
-        bodies, work = self.small.bodies, self.work
-        elastic_compliances(bodies, c, work.elastic)
-        kernels.compliances(bodies, self.state.now, c, self.system.inertia_floor, work.elastic, work.W)
+        """Compliances of Ritz bodies' own coordinates for a step."""
+        elastic_compliances(self.small.bodies, c, self.work.elastic)
+
+    def link(self) -> None:
+        """Have the stages of the step compiled, or loaded; those that a second process compiles are waited for."""
+        ahead.finish(self._announce)
+        link(self.small, self.trial, self.work)
 
     def start_accelerations(self, t: float) -> None:
         """True accelerations and liaison forces of the present state (Eq. T10), the algorithmic ones set equal."""
-        ahead.finish(self._announce)
+        self.link()
+        self._alike = 0
         c = instantaneous()
-        state, work = self.state, self.work
+        state, work, vectors = self.state, self.work, self.trial.vectors
+        relative_motion(self.relative, state.now, self.trial.joints, self.trial.accepted, vectors.nu, vectors.nud)
+        self.trial.rows.previous[:] = state.rows.previous
         self._condense(c)
-        for present, following in zip(state.now, state.next, strict=True):
-            following[:] = present
-        prescribe(self.small.motions, self.small.bodies, t, state.next)
         for mesh in self.meshes:
             mesh.prepare_start(work.W)
             mesh.u_next[:], mesh.ud_next[:], mesh.udd_next[:] = mesh.u, mesh.ud, mesh.udd
             mesh.a_next[:] = mesh.udd
         self.coefficients = c
-        state.vectors.a_next[:] = state.next.vd
+        vectors.a[:] = vectors.nud
+        self._phase(kernels.PREDICT, c, t)
         self._converge(c, t, exact=True)
-        state.vectors.a_next[:] = state.next.vd
+        vectors.a_next[:] = vectors.nud_next
         self._phase(kernels.ACCEPT, c, t)
         for mesh in self.meshes:
             mesh.a_next[:] = mesh.udd_next
             mesh.accept()
             mesh.a_previous = mesh.a.copy()
-        state.vectors.a_previous[:] = state.vectors.a
-        state.vectors.multipliers_previous[:] = state.vectors.multipliers
         for mesh in self.meshes:
-            mesh.write_small(state.now, state.vectors.a)
-        self._smooth = False
+            mesh.write_small(self.trial.accepted, vectors)
+        self._alike = 0
+        self._show(t)
+
+    def _show(self, t: float) -> None:
+        """Renew `state`, what the accepted state at time t looks like in the frames of the model."""
+        self._time = t
+        show(self.small, t, self.trial, self.work, self.state)
 
     def advance(self, t: float, steps: int) -> int:
         """Up to `steps` steps of the prepared size from time t; returns how many were done.
 
-        Fewer means that the iteration of the next one did not converge; the state is that of the last good step.
+        Fewer have a `reason`: the iteration of the next did not converge, or, where a `bound` is set, the next would have
+        made too large a local error, or they could be longer. The state is that of the last good step.
         """
+        self.reason = kernels.CONVERGED
         if self.meshes:
             threads = numba.get_num_threads()
             if not any(mesh.threaded for mesh in self.meshes):
                 numba.set_num_threads(1)
             try:
-                return self._mesh_steps(t, steps)
+                done = self._mesh_steps(t, steps)
             finally:
                 numba.set_num_threads(threads)
-        _, done, corrections = self._kernel(kernels.WHOLE_STEPS, self.coefficients, t, steps)
+            self._ended(t, done, steps)
+            return done
+        self.reason, done, corrections = self._kernel(kernels.WHOLE_STEPS, self.coefficients, t, steps)
         self.counts.steps += done
         self.counts.corrections += corrections
         self.last_iterations = round(corrections / done) if done else corrections
-        self._smooth = self._smooth or done > 0
+        self._alike += done
+        self._ended(t, done, steps)
         return int(done)
+
+    def bound(self, error: float) -> None:
+        """The local error that a step may make, over the mechanism's size; 0 to accept whatever it is."""
+        self.work.numbers[BOUND] = error
+        self.work.flags[CALM] = 0
+
+    @property
+    def error(self) -> float:
+        """The local error of the last step over the mechanism's size, where there is a bound."""
+        return float(self.work.numbers[ERROR])
+
+    def _ended(self, t: float, done: int, steps: int) -> None:
+        """After `done` of `steps` steps from time t: renew `state`, and keep what a step that failed has tried."""
+        if done < steps:
+            to_model(self.small, self.trial, self.tried)
+        self._show(t + done * self.coefficients.h)
 
     def _phase(self, phase: int, c: GeneralizedAlpha, end: float) -> tuple[int, int]:
         """One phase of the small system's step that ends at time `end`; returns (reason, corrections)."""
@@ -157,42 +204,32 @@ class Stepper:
         self, phase: int, c: GeneralizedAlpha, t: float, steps: int, dissipation: float = 0.0
     ) -> tuple[int, int, int]:
         """The compiled step on this system's tables and state; see `kernels.advance`."""
-        small, state = self.small, self.state
-        reason, done, corrections = kernels.advance(
-            small.bodies,
-            small.motions,
-            small.liaisons,
-            small.forces,
-            c,
-            phase,
-            t,
-            steps,
-            float(self._smooth),
-            self._tolerance,
-            self.system.inertia_floor,
-            dissipation,
-            state.now,
-            state.next,
-            state.attachments,
-            state.rows,
-            state.vectors,
-            self.work,
-        )
+        work = self.work
+        work.method[:] = c
+        work.flags[ORDER] = min(self._alike, 1 if self.meshes else kernels.HIGHEST_ORDER)
+        work.numbers[DISSIPATION] = dissipation
+        reason, done, corrections = kernels.advance(self.small, self.trial, work, phase, t, steps, self._tolerance)
         return reason, done, corrections
 
     def _mesh_steps(self, t: float, steps: int) -> int:
         for k in range(steps):
             if not self._mesh_step(t + (k + 1) * self.coefficients.h):
                 return k
+            if self.work.numbers[BOUND] > 0.0 and self.work.flags[CALM] >= kernels.CALM_STEPS:
+                self.reason = kernels.COULD_BE_LONGER
+                return k + 1
         return steps
 
     def _mesh_step(self, t: float) -> bool:
-        c, state = self.coefficients, self.state
-        linear = float(self._smooth)
+        c = self.coefficients
         self._phase(kernels.PREDICT, c, t)
         for mesh in self.meshes:
-            mesh.predict(c, linear)
+            mesh.predict(c, float(self._alike > 0))
         if not self._converge(c, t, exact=self.policy.exact):
+            self.reason = kernels.NOT_CONVERGED
+            return False
+        if not self._accurate(c):
+            self.reason = kernels.TOO_LARGE
             return False
         self.policy.accepted()
         self._phase(kernels.ACCEPT, c, t)
@@ -203,19 +240,33 @@ class Stepper:
             for mesh in self.meshes:
                 mesh.settle()
         for mesh in self.meshes:
-            mesh.write_small(state.now, state.vectors.a)
-        self._smooth = True
+            mesh.write_small(self.trial.accepted, self.trial.vectors)
+        self._alike += 1
         return True
+
+    def _accurate(self, c: GeneralizedAlpha) -> bool:
+        """Whether a step of a mechanism with meshes makes no larger local error than it may."""
+        numbers, flags = self.work.numbers, self.work.flags
+        if numbers[BOUND] == 0.0:
+            return True
+        factor = abs(c.beta + 0.5 * (0.5 - c.gamma) - 1.0 / 6.0) * c.h**2 / self.system.size
+        of_meshes = factor * max(mesh.jump() for mesh in self.meshes)
+        numbers[ERROR] = max(kernels.local_error(self.small, c, self.trial), of_meshes)
+        flags[CALM] = flags[CALM] + 1 if numbers[ERROR] <= kernels.TWICE * numbers[BOUND] else 0
+        return bool(numbers[ERROR] <= numbers[BOUND])
 
     def _converge(self, c: GeneralizedAlpha, t: float, exact: bool) -> bool:
         """Residual, back-substitution and the small system's iteration, as often as the policy asks."""
-        state, work = self.state, self.work
+        motion, work = self.trial.motion, self.work
         gravity = self.small.forces.gravity
         sizes: list[float] = []
         while True:
             for mesh in self.meshes:
-                mesh.solve_free(c, state.next, gravity, work.base)
-                mesh.frame_compliance(c, work.W)
+                mesh.residual(c, motion, gravity, work.base, work.W)
+            for group in self.mesh_groups:
+                group.solve()
+            for mesh in self.meshes:
+                mesh.respond(work.base)
             self.counts.back_substitutions += bool(self.meshes)
             reason, corrections = self._phase(kernels.ITERATE, c, t)
             self.counts.corrections += corrections
@@ -236,12 +287,12 @@ class Stepper:
                 return False
 
     def _enough(self, c: GeneralizedAlpha, sizes: list[float], exact: bool) -> bool:
-        scale = self.state.vectors.scales[2]
+        scale = self.state.scales[2]
         if c.h == 0.0:
             return sizes[-1] <= 1e-12 * scale or (len(sizes) >= 4 and sizes[-1] >= 0.5 * sizes[-2])
         reach = 1.0 / (c.beta * c.h**2)
         allowed = self._tolerance * min(FORCE_SHARE * scale, self.system.size * reach)
-        deflection = max(float(np.abs(mesh.u_next).max()) for mesh in self.meshes)
+        deflection = max(mesh.deflection for mesh in self.meshes)
         # round-off of accelerations, of displacements, and of the joints' positions, to which a stiff body answers
         floor = max(1e-13 * scale, 1e-13 * deflection * reach, 1e-15 * self.system.size * reach)
         if exact and sizes[-1] <= floor:
@@ -251,31 +302,32 @@ class Stepper:
     def residuals(self) -> Array:
         """Scaled liaison residuals at position, velocity and acceleration level of the last step, (3,)."""
         out = np.zeros(3)
-        kernels.scaled_residuals(self.system.liaisons, self.state.rows, self.state.vectors.scales, out)
+        kernels.scaled_residuals(self.system.liaisons, self.state.rows, self.state.scales, out)
         return out
 
     def multipliers(self) -> tuple[Array, NDArray[np.bool_]]:
         """λ (r,) of the present state, of least norm where rows repeat each other, and which are unique (T11)."""
-        system, work, multipliers = self.system, self.work, self.state.vectors.multipliers
-        if (work.pivot > 0.0).all():
-            return multipliers, np.ones(system.rows, dtype=np.bool_)
-        Z = left_null_space(system.liaisons, system.bodies, self.state.rows.A, work.metric, work.active, system.size)
-        return least_norm(system.liaisons, Z, multipliers, system.size)
+        system, state = self.system, self.state
+        r = len(self.relative.closures.row)
+        if (self.work.pivot[:r] > 0.0).all():
+            return state.multipliers, np.ones(system.rows, dtype=np.bool_)
+        metric = geometric_metric(system)
+        Z = left_null_space(system.liaisons, system.bodies, state.rows.A, metric, state.active, system.size)
+        return least_norm(system.liaisons, Z, state.multipliers, system.size)
 
     def failure(self, t: float) -> SimulationError:
         """Why the iteration of the step to time t did not converge, as a message."""
-        rows = self.state.rows
-        system = self.system
-        undefined = why_undefined(system, self.state, t, self.coefficients.h)
+        system, state, tried = self.system, self.state, self.tried
+        undefined = why_undefined(system, state.now, tried.now, state.rows.previous, t, self.coefficients.h)
         if undefined is not None:
             return SimulationError(f"{undefined}, at t = {t:.6g} s")
-        flat = almost_flat(system, self.state.now)
+        flat = almost_flat(system, state.now)
         if flat is not None:
             return SimulationError(
                 f"the step to t = {t:.6g} s fails: the disc {flat[0].name!r} is about to lie flat on its plane "
                 f"({np.degrees(flat[1]):.2g} degrees are left), where no point of it is the one that rolls"
             )
-        if not all(np.isfinite(part).all() for part in (rows.position, rows.velocity, rows.acceleration)):
+        if not all(np.isfinite(part).all() for part in tried.now):
             return SimulationError(f"the motion is no longer finite at t = {t:.6g} s; try a smaller step")
         for entry in system.body_entries:
             if system.bodies.kind[entry.index] == RITZ and not self._has_positive_mass(entry.index):
@@ -285,7 +337,7 @@ class Stepper:
                 )
         text = f"the iteration of the step to t = {t:.6g} s does not converge"
         if system.rows:
-            worst = int(np.argmax(np.abs(rows.acceleration)))
+            worst = int(np.argmax(np.abs(dense_rows(system, tried.now, t, state.rows.previous).acceleration)))
             text += f"; the liaison furthest from being met is {system.row_name(worst)}"
         return SimulationError(f"{text}; try a smaller step, or look for a singular position there")
 

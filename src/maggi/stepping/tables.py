@@ -1,32 +1,88 @@
-"""Everything a compiled step reads and writes, as named tuples of arrays."""
+"""Everything a compiled step reads and writes, as tables of arrays."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from maggi.bodies.motions import MotionTable
 from maggi.bodies.tables import Array, AttachmentState, BodyTable, IntArray, MotionState
 from maggi.forces.tables import ForceTable
 from maggi.liaisons.tables import LiaisonState, LiaisonTable
+from maggi.linalg.table import Table
+from maggi.projection.tree_tables import JointPoses, Tree, TreeWork
+
+# What stands where in SmallSystem.links: the stages of a step, and what only some mechanisms need, 0 where not.
+EVALUATE, REFRESH, CORRECT, ACCEPT_STEP, PREDICT_STEP = 0, 1, 2, 3, 4
+PRESCRIBE, BLOCK_COMPLIANCES, BLOCK_FORCES, BLOCK_POWER, ROWS, LINKS = 5, 6, 7, 8, 9, 10
+
+# StepWork.flags: whether this is a step's first correction; order of the prediction; how many steps in a row could have been
+# twice as long.
+FIRST, ORDER, CALM = 0, 1, 2
+
+# StepWork.numbers: sine of the smallest angle between rows; powers (W): that damping of meshed bodies takes, that prescribed
+# frames give, that damping of Ritz bodies takes; the local error that a step may make, 0 for steps of one size, and the one
+# that the last has made.
+SINE, DISSIPATION, GIVEN_POWER, TAKEN_POWER, BOUND, ERROR = 0, 1, 2, 3, 4, 5
 
 
-class SmallSystem(NamedTuple):
-    """The constants of the small system: all rigid and Ritz bodies, all attachments, all liaisons and forces."""
+@dataclass(frozen=True, eq=False)
+class SmallSystem(Table):
+    """The constants of the small system: all rigid and Ritz bodies, all attachments, all liaisons and forces.
+
+    bodies, all_liaisons: as in `System`, in the frames of the model. step_bodies: the same with the frames of the tree's
+    bodies in the joints that carry them: frame_rotation (b, 3, 3), frame_position (b, 3) in the body's own frame.
+    closures: the liaisons' rows that are no joints of the tree.
+    links (LINKS,): addresses of the stages. floor (b,): see `System.inertia_floor`.
+    joint_row_start (x + 1,), joint_row (j,), joint_end (j,): the rows of `all_liaisons` that make the joint of each tree
+    body, and the end of the row on that body. closure_row (r,): the rows of `all_liaisons` that closures are.
+    joint_turn (c, 3): of coordinates that a tree's joint counts: number, tree body, sign.
+    """
 
     bodies: BodyTable
+    step_bodies: BodyTable
+    frame_rotation: Array
+    frame_position: Array
     motions: MotionTable
-    liaisons: LiaisonTable
+    closures: LiaisonTable
+    all_liaisons: LiaisonTable
     forces: ForceTable
+    tree: Tree
+    floor: Array
+    links: IntArray
+    joint_row_start: IntArray
+    joint_row: IntArray
+    joint_end: IntArray
+    closure_row: IntArray
+    joint_turn: IntArray
 
 
-class StepVectors(NamedTuple):
-    """What a step carries beside motions and rows. n small coordinates, r rows.
+@dataclass(frozen=True, eq=False)
+class Instant(Table):
+    """A run at one instant, in the frames of the model: what rows of results are made of.
 
-    a, a_next, a_previous (n,): algorithmic accelerations. increment (n,): Δq of the step. multipliers,
-    multipliers_next, multipliers_previous (r,): λ (Eq. T11). applied (n,): forces Aᵀλ − Q in small coordinates.
-    work (4,): work of drivers, loads and prescribed frames and energy dissipated (J), and their present rates (W).
-    power (3,): energy stored in springs (J), power of dampers and of loads (W), at the step's end.
+    now, attachments, rows: motion, attachments and all liaison rows. multipliers (r,): λ (Eq. T11); unique by themselves
+    where no rows repeat each other. active (r,): 0 for rows that are dependent by geometry.
+    power (3,): energy stored in springs (J), power of dampers and of loads (W). work (4,): work of drivers, loads and
+    prescribed frames and energy dissipated (J), and their present rates (W).
     scales (5,): the mechanism's size (m), speed (m/s), acceleration (m/s²), and the least of the last two.
+    """
+
+    now: MotionState
+    attachments: AttachmentState
+    rows: LiaisonState
+    multipliers: Array
+    active: IntArray
+    power: Array
+    work: Array
+    scales: Array
+
+
+@dataclass(frozen=True, eq=False)
+class StepVectors(Table):
+    """Vectors that a step carries. m velocities ν in relative coordinates, r closures.
+
+    a, a_next, a_previous, a_older, a_oldest (m,): algorithmic accelerations. nu, nu_next, nud, nud_next (m,): velocities ν and their
+    true rates. increment (m,): Δq of the step. multipliers, multipliers_next, multipliers_previous (r,): λ of closures.
     elastic (b, 2): the largest |e| and |ë| of each body lately. contraction (2,): of the iteration, and the
     number of steps since it was last measured.
     """
@@ -34,44 +90,56 @@ class StepVectors(NamedTuple):
     a: Array
     a_next: Array
     a_previous: Array
+    a_older: Array
+    a_oldest: Array
+    nu: Array
+    nu_next: Array
+    nud: Array
+    nud_next: Array
     increment: Array
     multipliers: Array
     multipliers_next: Array
     multipliers_previous: Array
-    applied: Array
-    work: Array
-    power: Array
-    scales: Array
     elastic: Array
     contraction: Array
 
 
-class StepState(NamedTuple):
-    """The state of a run, advanced in place: motions at the beginning and the end of the step, the end's
-    attachments and liaison rows, and the rest.
+@dataclass(frozen=True, eq=False)
+class StepState(Table):
+    """The state of a run in the frames of the step, advanced in place.
 
-    The kernels take these parts as arguments of their own: the compiler copies a tuple whole at every access, so
-    nested ones cost it minutes.
+    accepted: of blocks, their poses and elastic coordinates at the beginning of the step; joints: poses of the tree's
+    joints then. scales (5,), power (3,), work (4,): those of the run's `Instant`. motion, attachments, rows, joints_next: all bodies, what closures look at, and the rest, at its end.
     """
 
-    now: MotionState
-    next: MotionState
+    accepted: MotionState
+    joints: JointPoses
+    motion: MotionState
+    joints_next: JointPoses
     attachments: AttachmentState
     rows: LiaisonState
     vectors: StepVectors
+    scales: Array
+    power: Array
+    work: Array
 
 
-class StepWork(NamedTuple):
-    """Scratch arrays of the step. W (flat blocks): compliances Ŝ⁻¹ of bodies on their small coordinates. elastic (flat,
-    as `BodyTable.m`): those of Ritz bodies' coordinates alone, for the present step size.
+@dataclass(frozen=True, eq=False)
+class StepWork(Table):
+    """Scratch arrays of the step; m velocities, r closures, q of them with springs, n small coordinates.
 
-    W_Z, W_D (flat blocks): B̂ᵀŜ⁻¹KŜ⁻¹B̂ of mesh bodies and the same with D. L (skyline), pivot, scale (r,). active (r,): 0 for rows that are
-    dependent by geometry; metric (flat blocks), metric_scale (r,): what that is judged in, see `range_space`.
-    base (n,): mesh bodies: frame residual, and the free elastic increments. accounted (n,): liaison forces that
-    mesh bodies' increments already contain. position_force, velocity_force (n,): accumulated Aᵀπ, Aᵀκ.
-    spring_J, spring_W (s, n), spring_border (s, r), spring_inverse (s, s), spring_force (s,): see `springs`.
+    W (flat blocks): compliances Ŝ⁻¹ of blocks. elastic (flat, as `BodyTable.m`): those of Ritz bodies' coordinates alone,
+    for the present step size. W_Z, W_D (flat blocks): B̂ᵀŜ⁻¹KŜ⁻¹B̂ of mesh bodies and the same with D.
+    L (skyline), pivot (q,), scale (r,). active (r,): 0 for rows that are dependent by geometry; metric (flat blocks),
+    metric_scale (r,): what that is judged in, see `range_space`.
+    base (m,): mesh bodies: frame residual, and the free elastic increments. accounted (m,): liaison forces that
+    mesh bodies' increments already contain. position_force, velocity_force (m,): accumulated Aᵀπ, Aᵀκ.
+    given (n,): forces Aᵀλ − Q on bodies; loads (n,): Q. stiffness, on_joints (m,): of springs on single free motions, and
+    their forces. The rest are vectors of one iteration; product (n,), ritz (14, longest): room for kernels. method (6,): coefficients of the step;
+    flags (3,), numbers (6,): see above.
     """
 
+    tree: TreeWork
     W: Array
     elastic: Array
     W_Z: Array
@@ -79,24 +147,28 @@ class StepWork(NamedTuple):
     L: Array
     pivot: Array
     scale: Array
+    active: IntArray
+    metric: Array
+    metric_scale: Array
     base: Array
     accounted: Array
     position_force: Array
     velocity_force: Array
-    residual: Array
+    given: Array
     loads: Array
+    stiffness: Array
+    on_joints: Array
+    force: Array
     delta: Array
     shift: Array
     rate_shift: Array
-    vector: Array
+    step: Array
     pi: Array
     kappa: Array
     phi: Array
-    active: IntArray
-    metric: Array
-    metric_scale: Array
-    spring_J: Array
-    spring_W: Array
-    spring_border: Array
-    spring_inverse: Array
-    spring_force: Array
+    rates: Array
+    product: Array
+    ritz: Array
+    method: Array
+    flags: IntArray
+    numbers: Array

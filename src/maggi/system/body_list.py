@@ -169,6 +169,8 @@ class BodyList:
             s2=flat([r.s2 for r in ritz]),
             attachment_body=integers(self._attachment_body),
             attachment_point=numbers(self._points, (-1, 3)),
+            attachment_axes=numbers([np.eye(3)] * len(self._points), (-1, 3, 3)),
+            attachment_turned=np.zeros(len(self._points), dtype=np.int64),
             psi_offset=integers(self._psi_offset),
             psi=flat(self._psi),
         )

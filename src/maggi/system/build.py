@@ -15,6 +15,7 @@ from maggi.bodies.motions import MotionTable
 from maggi.bodies.reduced import ReducedBody, reduce_body
 from maggi.forces.tables import ForceTable
 from maggi.liaisons.registry import JOINTS
+from maggi.liaisons.special import link_special
 from maggi.model.bodies import Body, ElasticBody, GivenMotion, RigidBody, RigidRunMotion, RitzBody
 from maggi.model.errors import ModelError
 from maggi.model.expression import expression
@@ -23,6 +24,7 @@ from maggi.model.joints import Coupler, Driver, End
 from maggi.model.model import Model
 
 from .body_list import BodyList, initial_pose
+from .dense import new_attachments, new_row_values
 from .joint_builder import JointBuilder
 from .liaison_list import LiaisonList
 from .packing import FunctionList, integers, numbers
@@ -108,6 +110,7 @@ class _Builder:
         size = size if size > 0.0 else 1.0
         table = self._bodies.table()
         liaisons, entries = self._liaisons.finish(len(table.kind), table.offset)
+        link_special(liaisons, new_attachments(0), new_row_values(liaisons, 0))
         return System(
             model,
             table,
@@ -150,7 +153,7 @@ class _Builder:
         mesh = self._meshes.get(name)
         if mesh is None:
             self._announce(f"assembling {name}")
-            mesh = self._meshes[name] = build_mesh_body(name, body, self._model.folder)
+            mesh = self._meshes[name] = build_mesh_body(name, body, self._model.folder, self._meshes.values())
         motion = body.motion
         pose = initial_pose(body.pose, motion if isinstance(motion, GivenMotion) else None)
         reduced = self._reduce(name, body, mesh)

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from maggi.bodies.kernels import attachment_motion, mass_matrix
 from maggi.bodies.tables import FIXED, MESH, AttachmentState, MotionState
 from maggi.liaisons.kernels import evaluate_rows
-from maggi.liaisons.tables import END_ATTACHMENT, LiaisonState
+from maggi.liaisons.sums import POSE
+from maggi.liaisons.tables import END_ATTACHMENT, JETS, LiaisonState, LiaisonTable
 
 from .system import System
 
@@ -41,18 +42,24 @@ def new_attachments(count: int) -> AttachmentState:
         angular_acceleration=np.zeros((count, 3)),
         arm=np.zeros((count, 3)),
         tangent=tangent,
+        scratch=np.zeros((3, 18)),
     )
 
 
 def new_rows(system: System) -> LiaisonState:
     """Row values, all zero; the joint coordinates' unwrapping starts at zero, the initial pose."""
-    r = system.rows
     width = np.diff(system.bodies.offset)
     table = system.liaisons
-    size = int(width[system.bodies.attachment_body[table.end[:, END_ATTACHMENT]]].sum())
-    c = len(table.coordinate)
+    return new_row_values(table, int(width[system.bodies.attachment_body[table.end[:, END_ATTACHMENT]]].sum()))
+
+
+def new_row_values(table: LiaisonTable, coefficients: int) -> LiaisonState:
+    """Values of a table's rows, all zero, with room for as many coefficients on bodies."""
+    r, c = len(table.row), len(table.coordinate)
+    # room for the variables of functions: time, and coordinates, or poses of ends
+    ends = int(np.diff(table.end_start).max(initial=0))
     return LiaisonState(
-        A=np.zeros(size),
+        A=np.zeros(coefficients),
         position=np.zeros(r),
         velocity=np.zeros(r),
         acceleration=np.zeros(r),
@@ -61,6 +68,7 @@ def new_rows(system: System) -> LiaisonState:
         coordinate=np.zeros((c, 3)),
         coordinate_wrench=np.zeros((c, 2, 6)),
         previous=np.zeros(c),
+        scratch=np.zeros((JETS + 2 + POSE * ends, 3)),
     )
 
 
@@ -71,7 +79,7 @@ def dense_rows(system: System, motion: MotionState, t: float, previous: Array | 
     if previous is not None:
         rows.previous[:] = previous
     attachment_motion(system.bodies, motion, attachments)
-    evaluate_rows(system.liaisons, system.bodies, motion, attachments, t, rows)
+    evaluate_rows(system.liaisons, system.bodies, motion, attachments, rows, t)
     table, bodies = system.liaisons, system.bodies
     A = np.zeros((system.rows, system.coordinates))
     for i in range(system.rows):

@@ -206,6 +206,8 @@ class LiaisonList:
             function_codes=codes,
             function_values=values,
             curve=integers(self._curves, (-1, 4)),
+            measured=np.arange(len(self._coordinates)),
+            special=np.zeros(2, dtype=np.int64),
             integers=integers(self._integers),
             data=numbers(self._data),
         )

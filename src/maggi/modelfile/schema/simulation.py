@@ -14,17 +14,29 @@ from .mistakes import mistake, shown, suggestion
 MAX_STEPS = 1_000_000_000
 
 
-def _step(value: Any) -> Any:
-    if value == "auto":
-        raise mistake("an automatic step is not built yet", 'give a step in seconds, such as 1e-5 or "10 us"')
-    return value
+ACCURACY = 1e-6
+"""Local error of a step, relative to the mechanism's size, where `step: auto` does not say."""
+LONGEST = 100
+"""Over how many of them the duration goes where `step: auto` does not say how long steps may be."""
+
+Step = Annotated[float, Field(gt=0), Number(units.TIME)]
 
 
 class SimulationSection(Section):
     """A run in time."""
 
     duration: PositiveTime = Field(description="length of the run (s)")
-    step: Annotated[float, Field(gt=0), Number(units.TIME), BeforeValidator(_step)] = Field(description="step (s)")
+    step: Step | Literal["auto"] = Field(description="step (s), or auto: as long as `accuracy` allows")
+    accuracy: Annotated[float, Field(gt=0, lt=1), Number(units.NUMBER)] = Field(
+        ACCURACY,
+        description="with step: auto, the error that a step may add to any position, relative to the mechanism's size "
+        "(angles: rad)",
+    )
+    longest_step: Step | None = Field(
+        None,
+        description="with step: auto, the longest step (s), of which all are halves, quarters and so on, and at multiples of "
+        f"which rows are written; the duration over {LONGEST} if not given",
+    )
     method: Literal["generalized-alpha", "dop853", "radau"] = Field(
         "generalized-alpha",
         description="generalized-alpha in fixed steps, or an adaptive integrator of the true freedoms with rows at every "
@@ -47,24 +59,48 @@ class SimulationSection(Section):
 
     @model_validator(mode="after")
     def _countable(self) -> SimulationSection:
-        steps = self.duration / self.step
-        if steps < 0.5:
+        for key in ("accuracy", "longest_step"):
+            if self.step != "auto" and key in self.model_fields_set:
+                raise mistake(f"steps of {self.step:g} s have no {key}", "leave it out, or use step: auto", (key,))
+        if self.step == "auto" and self.method != "generalized-alpha":
             raise mistake(
-                f"the step {self.step:g} s is longer than the duration {self.duration:g} s",
-                "shorten the step or lengthen the duration",
+                f"{self.method} chooses its own steps by `tolerance`",
+                "give the time between two rows as step",
                 ("step",),
             )
+        step, key = self._nominal()
+        steps = self.duration / step
+        if steps < 0.5:
+            raise mistake(
+                f"the step {step:g} s is longer than the duration {self.duration:g} s",
+                "shorten the step or lengthen the duration",
+                (key,),
+            )
         if steps > MAX_STEPS:
-            raise mistake(f"{steps:.3g} steps are more than {MAX_STEPS:g}", "use a longer step", ("step",))
+            raise mistake(f"{steps:.3g} steps are more than {MAX_STEPS:g}", "use a longer step", (key,))
         if self.method != "generalized-alpha" and "rho_inf" in self.model_fields_set:
             raise mistake(f"{self.method} has no rho_inf", "leave it out, or use generalized-alpha", ("rho_inf",))
         return self
 
     def build(self) -> Simulation:
         """The frozen description."""
+        step, _ = self._nominal()
         return Simulation(
-            self.duration, self.step, self.rho_inf, self.tolerance, self.start, self.method, self.assemble
+            self.duration,
+            step,
+            self.rho_inf,
+            self.tolerance,
+            self.start,
+            self.method,
+            self.assemble,
+            self.accuracy if self.step == "auto" else None,
         )
+
+    def _nominal(self) -> tuple[float, str]:
+        """The nominal step (s) and the key that gives it."""
+        if self.step != "auto":
+            return self.step, "step"
+        return (self.duration / LONGEST if self.longest_step is None else self.longest_step), "longest_step"
 
 
 def _quantities(value: Any) -> Any:

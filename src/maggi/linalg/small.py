@@ -1,0 +1,36 @@
+"""Compiled operations on small dense matrices."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@njit(cache=True, error_model="numpy")
+def invert(matrix: Array, out: Array) -> None:
+    """The inverse of a small positive definite matrix, by L D Lᵀ; `matrix` is overwritten."""
+    n = matrix.shape[0]
+    for i in range(n):
+        for j in range(i):
+            value = matrix[i, j]
+            for k in range(j):
+                value -= matrix[i, k] * matrix[j, k] * matrix[k, k]
+            matrix[i, j] = value / matrix[j, j]
+        value = matrix[i, i]
+        for k in range(i):
+            value -= matrix[i, k] * matrix[i, k] * matrix[k, k]
+        matrix[i, i] = value
+    for column in range(n):
+        for i in range(n):
+            value = 1.0 if i == column else 0.0
+            for k in range(column, i):
+                value -= matrix[i, k] * out[k, column]
+            out[i, column] = value
+        for i in range(n - 1, -1, -1):
+            value = out[i, column] / matrix[i, i]
+            for k in range(i + 1, n):
+                value -= matrix[k, i] * out[k, column]
+            out[i, column] = value

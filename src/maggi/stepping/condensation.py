@@ -1,0 +1,147 @@
+"""A meshed body's response to forces at its attachments, for every step size in use: the constants of the step (T12)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maggi.bodies.mesh_body import MeshBody
+from maggi.elements.products import SymmetricBlocks
+from maggi.integrators.generalized_alpha import GeneralizedAlpha
+from maggi.linalg.factor import Factor
+from maggi.linalg.shifted import ShiftedFactors
+
+Array = NDArray[np.float64]
+
+# Constants of the step sizes used last are kept, so that changing back costs nothing: so many of them, and no more memory
+# than this, but two in any case.
+KEPT, KEPT_BYTES = 8, 2 << 30
+
+
+@dataclass(frozen=True, eq=False)
+class Condensation:
+    """Constants of a body with k attachments for one step size (Eq. T12).
+
+    factor of Ŝ = k₁M + k₂K, k₁ = σ + γh·mass, k₂ = βh² + γh·stiffness. Y = PŜ⁻¹B (nd, 6k), Z = Ŝ⁻¹KY,
+    Z_D = Ŝ⁻¹DY; W, W_Z, W_D (6k, 6k): Bᵀ of them. responses (k, nd, 12 or 18): the six columns of Y, Z and, of a
+    body with damping, Z_D of every attachment side by side.
+    """
+
+    factor: Factor | None
+    responses: Array
+    W: Array
+    W_Z: Array
+    W_D: Array
+
+    @staticmethod
+    def none(body: MeshBody) -> Condensation:
+        """Stands where nothing has been factorised yet."""
+        n = body.B.shape[1]
+        return Condensation(None, np.zeros((n // 6, 0, 12)), *np.zeros((3, n, n)))
+
+    @property
+    def Y(self) -> Array:
+        """Y (nd, 6k)."""
+        return self._columns(0)
+
+    @property
+    def Z(self) -> Array:
+        """Z (nd, 6k)."""
+        return self._columns(1)
+
+    @property
+    def Z_D(self) -> Array:
+        """Z_D (nd, 6k)."""
+        return self._columns(2) if self.responses.shape[2] == 18 else np.zeros_like(self.Y)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that it holds."""
+        return self.responses.nbytes + (self.factor.nbytes if self.factor else 0)
+
+    def _columns(self, which: int) -> Array:
+        part = self.responses[:, :, 6 * which : 6 * which + 6]
+        return part.transpose(1, 0, 2).reshape(part.shape[1], -1)
+
+
+class Condensations:
+    """What bodies that are the same share: constants by step size, and K for the products of every step."""
+
+    def __init__(self, body: MeshBody) -> None:
+        self._body = body
+        self._factors = ShiftedFactors(body.K)
+        self._stiffness: SymmetricBlocks | None = None
+        self._kept: dict[GeneralizedAlpha, Condensation] = {}
+
+    @property
+    def stiffness(self) -> SymmetricBlocks:
+        """K, every block once."""
+        if self._stiffness is None:
+            self._stiffness = SymmetricBlocks.of(self._body.K)
+        return self._stiffness
+
+    def has(self, c: GeneralizedAlpha) -> bool:
+        """Whether the constants of a step are kept."""
+        return c in self._kept
+
+    def of(self, c: GeneralizedAlpha) -> Condensation:
+        """The constants of a step: kept, or made with a factorisation."""
+        found = self._kept.pop(c, None)
+        if found is None:
+            self._make_room()
+            k1, k2 = self._weights(c)
+            body = self._body
+            found = self._condense(self._factors.factorise(k1, body.inertia.matrix, k2), k1, k2)
+        self._kept[c] = found  # the last one used
+        return found
+
+    def at_rest(self) -> Condensation:
+        """The constants of an instant (h = 0): Ŝ = M. Not kept."""
+        return self._condense(self._body.inertia.factorised(), 1.0, 0.0)
+
+    def _make_room(self) -> None:
+        """Before another is made, which will be about as large as the last."""
+        kept = self._kept
+        last = next(reversed(kept.values())).nbytes if kept else 0
+        while len(kept) >= KEPT or (len(kept) >= 2 and sum(one.nbytes for one in kept.values()) + last > KEPT_BYTES):
+            del kept[next(iter(kept))]
+
+    def _weights(self, c: GeneralizedAlpha) -> tuple[float, float]:
+        d = self._body.damping
+        return c.sigma + c.gamma * c.h * d.mass, c.beta * c.h**2 + c.gamma * c.h * d.stiffness
+
+    def _condense(self, factor: Factor, k1: float, k2: float) -> Condensation:
+        body, d = self._body, self._body.damping
+        n = body.B.shape[1]
+        if n == 0:
+            return Condensation(factor, np.empty((0, body.size, 12)), *np.zeros((3, 0, 0)))
+        damped = k2 > 0.0 and (d.mass != 0.0 or d.stiffness != 0.0)
+        responses = np.zeros((n // 6, body.size, 18 if damped else 12))
+        Y = self._response(factor, body.B.toarray())
+        _put(Y, responses, 0)
+        W, W_Z, W_D = body.B.T @ Y.T, np.zeros((n, n)), np.zeros((n, n))
+        if k2 > 0.0:
+            Z = self._response(factor, body.K @ Y.T)
+            _put(Z, responses, 1)
+            W_Z = body.B.T @ Z.T
+            if damped:
+                Z *= d.stiffness - d.mass * k2 / k1
+                Z += d.mass / k1 * Y
+                _put(Z, responses, 2)
+                W_D = body.B.T @ Z.T
+        return Condensation(factor, responses, 0.5 * (W + W.T), W_Z, W_D)
+
+    def _response(self, factor: Factor, forces: Array) -> Array:
+        """P Ŝ⁻¹ forces, for forces (nd, n); a row for every one of them."""
+        rows = np.ascontiguousarray(factor.solve_many(forces).T)
+        if self._body.floating:
+            for row in rows:
+                self._body.axes.project(row)
+        return rows
+
+
+def _put(rows: Array, responses: Array, which: int) -> None:
+    for k, part in enumerate(responses):
+        part[:, 6 * which : 6 * which + 6] = rows[6 * k : 6 * k + 6].T

@@ -1,0 +1,138 @@
+"""Springs and dampers in Newton's iteration: stiff ones would make it diverge where β h² k/m exceeds one.
+
+With k' = βh²k + γhd, one on a single free motion of the tree adds k' to that motion's pivot. Every other is a row J of
+elongation rates behind the liaisons' rows, so that rank and liaison forces know nothing of springs:
+
+    [ Λ    B           ] [φ]   [A x + (A v̇ + γ)/σ]        Λ = A W Aᵀ,  B = A W Jᵀ
+    [ Bᵀ   JWJᵀ + 1/k' ] [ψ] = [J x              ]        δ = x − W(Aᵀφ + Jᵀψ)
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from maggi.bodies.kernels import generalised_force
+from maggi.bodies.tables import Array
+from maggi.forces.tables import ForceTable
+from maggi.integrators.generalized_alpha import GeneralizedAlpha
+from maggi.projection.closures import closure_rates
+from maggi.projection.tree_tables import Tree
+
+from .tables import SmallSystem, StepState, StepWork
+
+
+@njit(cache=True, error_model="numpy")
+def spring_constants(forces: ForceTable, tree: Tree, s: int) -> tuple[float, float]:
+    """Stiffness and damping of the spring that is row s behind the liaisons' rows."""
+    data = forces.spring_data if tree.spring[s, 0] == 0 else forces.torsion_data
+    x = tree.spring[s, 1]
+    return data[x, 0], data[x, 1]
+
+
+@njit(cache=True, error_model="numpy")
+def joint_stiffness(small: SmallSystem, c: GeneralizedAlpha, out: Array) -> None:
+    """k' of springs on single free motions of the tree's joints, out (m,)."""
+    tree, data = small.tree, small.forces.torsion_data
+    if tree.on_joint.shape[0] == 0:
+        return
+    for i in range(out.shape[0]):
+        out[i] = 0.0
+    for z in range(tree.on_joint.shape[0]):
+        s = tree.on_joint[z, 0]
+        out[tree.on_joint[z, 1]] += c.beta * c.h * c.h * data[s, 0] + c.gamma * c.h * data[s, 1]
+
+
+@njit(cache=True, error_model="numpy")
+def spring_coefficients(small: SmallSystem, state: StepState) -> None:
+    """Rows J of springs, then torsion springs, on the bodies: the rates of their lengths or angles are J v."""
+    tree, bodies, motion, attachments = small.tree, small.step_bodies, state.motion, state.attachments
+    A, position = state.rows.A, attachments.position
+    for s in range(tree.spring.shape[0]):
+        torsion = tree.spring[s, 0] == 1
+        n0 = n1 = n2 = 0.0
+        coordinate = 0
+        if torsion:
+            coordinate = small.forces.torsion_coordinate[tree.spring[s, 1]]
+        else:
+            p, q = tree.spring_end[2 * s, 0], tree.spring_end[2 * s + 1, 0]
+            n0, n1, n2 = (
+                position[q, 0] - position[p, 0],
+                position[q, 1] - position[p, 1],
+                position[q, 2] - position[p, 2],
+            )
+            length = math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
+            one = 1.0 / length if length > 0.0 else 0.0
+            n0, n1, n2 = n0 * one, n1 * one, n2 * one
+        for side in range(2):
+            a, start = tree.spring_end[2 * s + side, 0], tree.spring_end[2 * s + side, 1]
+            b = bodies.attachment_body[a]
+            width = bodies.offset[b + 1] - bodies.offset[b]
+            part = A[start : start + width]
+            for i in range(width):
+                part[i] = 0.0
+            if torsion:
+                w = state.rows.coordinate_wrench[coordinate, side]
+                generalised_force(bodies, motion, attachments, a, w[0], w[1], w[2], w[3], w[4], w[5], part)
+            else:
+                sign = -1.0 if side == 0 else 1.0
+                generalised_force(bodies, motion, attachments, a, sign * n0, sign * n1, sign * n2, 0.0, 0.0, 0.0, part)
+
+
+@njit(cache=True, error_model="numpy")
+def add_spring_compliance(small: SmallSystem, c: GeneralizedAlpha, work: StepWork) -> None:
+    """Add 1/k' to the springs' diagonal of Λ; those with k' = 0 are taken out."""
+    tree, L = small.tree, work.L
+    first, start = tree.skyline_first, tree.skyline_start
+    r = work.pi.shape[0]
+    for s in range(tree.spring.shape[0]):
+        q = r + s
+        k, d = spring_constants(small.forces, tree, s)
+        stiffness = c.beta * c.h * c.h * k + c.gamma * c.h * d
+        if stiffness > 0.0:
+            L[start[q] + q - first[q]] += 1.0 / stiffness
+            continue
+        for j in range(start[q], start[q + 1]):
+            L[j] = 0.0
+        for i in range(q + 1, first.shape[0]):
+            if first[i] <= q:
+                L[start[i] + q - first[i]] = 0.0
+        L[start[q] + q - first[q]] = math.inf  # a pivot of zero: the row is left out
+
+
+@njit(cache=True, error_model="numpy")
+def spring_forces(small: SmallSystem, work: StepWork) -> None:
+    """Forces Jᵀ(k J Δq + d J Δv) that shifts of positions and velocities cause, to `force`; on joints to `on_joints`."""
+    tree, rates, columns = small.tree, work.rates, work.tree.columns
+    r = work.pi.shape[0]
+    count = tree.spring.shape[0]
+    if count == 0:
+        return
+    closure_rates(tree, columns, work.shift, rates)
+    for s in range(count):
+        k, _ = spring_constants(small.forces, tree, s)
+        add_spring_force(tree, columns, r + s, k * rates[r + s], work.force)
+    closure_rates(tree, columns, work.rate_shift, rates)
+    for s in range(count):
+        _, d = spring_constants(small.forces, tree, s)
+        add_spring_force(tree, columns, r + s, d * rates[r + s], work.force)
+
+
+@njit(cache=True, error_model="numpy")
+def add_spring_force(tree: Tree, columns: Array, q: int, value: float, out: Array) -> None:
+    """Add to out (m,) the force of closure q."""
+    for place in range(tree.path_start[q], tree.path_start[q + 1]):
+        node, start = tree.path[place, 0], tree.path[place, 1]
+        s = tree.node_start[node]
+        for i in range(tree.node_start[node + 1] - s):
+            out[s + i] += columns[start + i] * value
+
+
+@njit(cache=True, error_model="numpy")
+def joint_spring_forces(small: SmallSystem, work: StepWork) -> None:
+    """Forces on single free motions that their shifts cause in springs there, to `on_joints`."""
+    tree, data = small.tree, small.forces.torsion_data
+    for z in range(tree.on_joint.shape[0]):
+        s, d = tree.on_joint[z, 0], tree.on_joint[z, 1]
+        work.on_joints[d] += data[s, 0] * work.shift[d] + data[s, 1] * work.rate_shift[d]
