@@ -116,7 +116,7 @@ def measure(windows: int, duration: float, rounds: int, speed: Table, truth: Tab
     """One line of each table."""
     ours = Ours(mechanism(windows), STEP)
     timed = 1000 if windows <= 2 else 300
-    runs = {"ours": lambda: ours.run(timed)}
+    runs = {"ours": lambda: ours.run(timed, 3)}
     peers: dict[str, FourBars] = {}
     if exudyn_runs.load():
         peers = found(windows)

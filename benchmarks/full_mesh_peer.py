@@ -14,7 +14,7 @@ from common.ours import Ours
 from common.rod import LENGTH, exported, rod_on_two_balls, tip_of
 from common.tables import MISSING, Table, error, milli, times
 from common.targets import Target
-from common.timing import median
+from common.timing import median, process_seconds
 from peers import exudyn_runs
 from peers.exudyn_fem import full_rod
 
@@ -29,7 +29,7 @@ def main() -> None:
     parser.add_argument("--long", action="store_true", help="50 steps instead of 4")
     given = parser.parse_args()
     steps = 50 if given.long else 4
-    ours = Ours(rod_on_two_balls(CELLS, "hex8", STEP), STEP)
+    ours = Ours(rod_on_two_balls(CELLS, "hex8", STEP), STEP, process_seconds)
     half = Ours(rod_on_two_balls(CELLS, "hex8", STEP), STEP / 2)
     times_ours = [ours.advance(steps)]
     tips = {"ours": tip_of(ours)}

@@ -53,7 +53,7 @@ def measure(modes: int, steps: int, rounds: int, table: Table, used: list[str]) 
     model = rod((40, 2, 2), "hex20", STEP, CraigBampton(modes))
     ours = Ours(model, STEP)
     timed = min(steps, 2_000)
-    runs = {"ours": lambda: ours.run(timed)}
+    runs = {"ours": lambda: ours.run(timed, 3)}
     peer = None
     if exudyn_runs.load():
         mesh, shapes = exported(ours.stepper.system)
