@@ -104,7 +104,7 @@ def main() -> None:
 def measure(links: int, steps: int, rounds: int, table: Table, used: list[str]) -> None:
     """One line of the table."""
     ours = Ours(chain(links), STEP)
-    runs = {"ours": lambda: ours.run(steps)}
+    runs = {"ours": lambda: ours.run(steps, 3)}
     peers = {}
     if exudyn_runs.load():
         trial = max(10, 1000 // links)

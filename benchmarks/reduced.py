@@ -53,13 +53,13 @@ def measure(modes: int, steps: int, rounds: int, table: Table, used: list[str]) 
     model = rod((40, 2, 2), "hex20", STEP, CraigBampton(modes))
     ours = Ours(model, STEP)
     timed = min(steps, 2_000)
-    runs = {"ours": lambda: ours.run(timed)}
+    runs = {"ours": lambda: ours.run(timed, 3)}
     peer = None
     if exudyn_runs.load():
         mesh, shapes = exported(ours.stepper.system)
         nodes = ("RotationRxyz", "RotationEulerParameters")
         rods = [reduced_rod(mesh, shapes, node) for node in nodes]
-        peer = exudyn_runs.quickest(rods, exudyn_runs.DENSE, STEP, 50)
+        peer = exudyn_runs.quickest(rods, exudyn_runs.KEPT, STEP, 100)
         runs["peer"] = lambda: peer.run(STEP, timed)
         used.append(f"{peer.name}, {peer.settings}")
     taken = in_turn(runs, rounds)

@@ -70,9 +70,9 @@ def main() -> None:
         for what, model in {"rigid four-bar": HERE / "four_bar.yml", "two reduced beams": ARM}.items():
             line(f"a run of one step, {what}", repeated(run_command(model, ONE_STEP, folder), rounds), RUN)
         if not given.no_compilation:
-            demo(folder, None)
-            full = demo(folder, None)
-            empty = demo(folder, str(Path(folder) / "cache"))
+            cache = str(Path(folder) / "cache")
+            empty = demo(folder, cache)
+            full = demo(folder, cache)
             line("demo of two steps and its pictures, cache full", full)
             line("demo of two steps and its pictures, cache empty", empty)
             line("first compilation for the demo", empty - full, FIRST)
@@ -89,9 +89,9 @@ def run_command(model: Path, setting: str, folder: str) -> list[str]:
     return [sys.executable, "-m", "maggi", "run", str(model), "--quiet", "--set", setting, "-o", out]
 
 
-def demo(folder: str, cache: str | None) -> Took:
-    """A short run and its plot, with a cache folder of its own or the usual one."""
-    environment = dict(os.environ) if cache is None else {**os.environ, "NUMBA_CACHE_DIR": cache}
+def demo(folder: str, cache: str) -> Took:
+    """A short run and its plot, with a cache folder of its own."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
     plot = [sys.executable, "-m", "maggi", "plot", str(Path(folder) / "out.h5")]
     return call(run_command(DEMO, "simulation.duration=8e-5", folder), environment) + call(plot, environment)
 

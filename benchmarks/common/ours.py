@@ -58,10 +58,13 @@ class Ours:
         self.iterations = (self.stepper.counts.corrections - before) / steps
         return seconds / steps
 
-    def run(self, steps: int) -> float:
-        """Seconds of a step of the run from t = 0; building and starting it do not count."""
-        self.restart()
-        return self.advance(steps)
+    def run(self, steps: int, repeats: int = 1) -> float:
+        """Seconds of a step of the run from t = 0, the median of some repeats; building and starting do not count."""
+        taken = []
+        for _ in range(repeats):
+            self.restart()
+            taken.append(self.advance(steps))
+        return float(np.median(taken))
 
     def position(self, body: str, attachment: str) -> Array:
         """Where an attachment is now (3,), global (m)."""

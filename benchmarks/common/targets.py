@@ -21,7 +21,7 @@ class Target:
 
     def cells(self, what: str, measured: float | None) -> tuple[str, str]:
         """Target and whether it is reached, and a note for the summary; `what` says which figure it is."""
-        wanted = f"{'≤' if self.at_most else '≥'} {figure(self.bound)}{self.unit}"
+        wanted = f"{'≤' if self.at_most else '≥'} {self.bound:g}{self.unit}"
         reached = MISSING
         if measured is not None:
             reached = "yes" if (measured <= self.bound if self.at_most else measured >= self.bound) else "no"

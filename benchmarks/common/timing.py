@@ -37,6 +37,13 @@ def cpu_seconds(action: Callable[[], object]) -> float:
     return time.thread_time() - began
 
 
+def process_seconds(action: Callable[[], object]) -> float:
+    """Processor time of all threads of this process."""
+    began = time.process_time()
+    action()
+    return time.process_time() - began
+
+
 def wall_seconds(action: Callable[[], object]) -> float:
     """Time that passes: what counts where several threads work."""
     began = time.perf_counter()
