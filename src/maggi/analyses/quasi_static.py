@@ -15,10 +15,8 @@ from numpy.typing import NDArray
 from maggi.bodies.kernels import attachment_motion, inertia_residual, move
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import FIXED, MESH, RITZ, MotionState
-from maggi.elements.products import stiffness_product
 from maggi.forces.kernels import applied_forces
 from maggi.liaisons.kernels import evaluate_rows
-from maggi.linalg.factor import Factor, factorise
 from maggi.model.bodies import RitzBody
 from maggi.model.errors import SimulationError
 from maggi.stepping.allocate import copy_motion
@@ -26,10 +24,11 @@ from maggi.stepping.mesh_step import MeshStep
 from maggi.system.dense import dense_mass, dense_rows, floating_velocities, new_attachments, new_rows
 from maggi.system.system import System
 
+from .static_response import StaticResponse
+
 Array = NDArray[np.float64]
 
 ATTEMPTS = 40
-REGULARISATION = 1e-7  # of the lowest elastic eigenvalue: K + s M, refined with K itself
 SETTLED = 1e-10  # change of an iteration, relative to the largest displacement
 STALLED = 1e-6  # the same where it no longer falls
 
@@ -52,8 +51,12 @@ class QuasiStatic:
     def __init__(self, system: System, meshes: list[MeshStep]) -> None:
         self._system = system
         self._meshes = {mesh.index: mesh for mesh in meshes}
-        self._factors: dict[int, Factor] = {}
-        self._Y: dict[int, Array] = {}
+        responses: dict[str, StaticResponse] = {}
+        self._responses: dict[int, StaticResponse] = {}
+        for mesh in meshes:
+            if mesh.body.likeness not in responses:
+                responses[mesh.body.likeness] = StaticResponse(mesh.body, mesh.shared)
+            self._responses[mesh.index] = responses[mesh.body.likeness]
         self._bodies = [self._static(b) for b in _elastic(system)]
         self._multipliers = np.zeros(system.rows)
         self._twist_rates = np.zeros(system.coordinates)
@@ -159,7 +162,7 @@ class QuasiStatic:
             cursor += body.rigid.shape[1]
             motion.e[part] = free[body.index][1] - body.W @ applied[part] + body.rigid @ a
             if body.index in self._meshes:
-                u = free[body.index][0] - self._Y[body.index] @ applied[part]
+                u = free[body.index][0] - applied[part] @ self._responses[body.index].Y
                 if a.size:
                     u = u + self._meshes[body.index].body.Phi @ a
                 result[body.index] = u
@@ -191,7 +194,7 @@ class QuasiStatic:
             part = slice(bodies.offset[body.index] + 6, bodies.offset[body.index + 1])
             motion.v[part] -= Y[part, part] @ force[part]
             if body.index in self._meshes:
-                rates[body.index] -= self._Y[body.index] @ force[part]
+                rates[body.index] -= force[part] @ self._responses[body.index].Y
                 if body.rigid.shape[1]:
                     rates[body.index] -= self._meshes[body.index].body.Phi @ (body.rigid.T @ force[part])
 
@@ -246,7 +249,7 @@ class QuasiStatic:
             a_O = motion.vd[o : o + 3] + np.cross(w, v) - motion.rotation[body.index].T @ gravity
             mesh.body.inertia.residual(a_O, w, motion.vd[o + 3 : o + 6], fields[body.index], zero, zero, nodal, frame)
             residual[o : o + 6] = frame
-            u = -self._solve(body.index, nodal)
+            u = -self._responses[body.index].displacements(nodal[None])[0]
             rigid = mesh.body.Phi.T @ nodal if body.rigid.shape[1] else np.empty(0)
             free[body.index] = (u, np.asarray(mesh.body.B.T @ u), rigid)
         return residual, free
@@ -262,32 +265,9 @@ class QuasiStatic:
             W = np.linalg.pinv(bodies.k[q : q + n * n].reshape(n, n), rcond=1e-12, hermitian=True)
             return _Static(b, np.asarray(W, dtype=np.float64), np.empty((n, 0)))
         body = self._meshes[b].body
-        # any shift far below the elastic spectrum will do; the solution is refined with K itself
-        trial = body.K.diagonal().max() / body.inertia.matrix.diagonal().max()
-        self._factors[b] = factorise(body.K + (REGULARISATION * 1e-3 * trial) * body.inertia.matrix)
-        columns = [self._solve(b, column) for column in body.B.toarray().T]
-        self._Y[b] = np.array(columns).T.reshape(body.size, -1)
-        W = body.B.T @ self._Y[b]
+        W = self._responses[b].W
         rigid = np.zeros((W.shape[0], 0)) if body.floating else np.asarray(body.B.T @ body.Phi)
-        return _Static(b, 0.5 * (W + W.T), rigid)
-
-    def _solve(self, b: int, force: Array) -> Array:
-        """P K⁺ Pᵀ force, refined."""
-        body = self._meshes[b].body
-        inverse = np.linalg.inv(body.J6)
-        force = force - body.C @ (inverse @ (body.Phi.T @ force))
-        u = np.zeros(body.size)
-        product = np.empty(body.size)
-        for _ in range(4):
-            stiffness_product(body.K, u, product)
-            defect = force - product
-            defect -= body.C @ (inverse @ (body.Phi.T @ defect))
-            step = self._factors[b].solve(defect)
-            step -= body.Phi @ (inverse @ (body.C.T @ step))
-            u += step
-            if np.linalg.norm(step) <= 1e-13 * np.linalg.norm(u):
-                break
-        return u
+        return _Static(b, W, rigid)
 
 
 def quasi_static_start(system: System, motion: MotionState, meshes: list[MeshStep], dt: float) -> None:

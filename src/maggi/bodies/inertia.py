@@ -82,7 +82,7 @@ class IsotropicInertia:
         self._moments = np.ascontiguousarray(mu @ self._nodes)
         self.mass = float(self._weights.sum())
         self.S0 = self._moments.sum(axis=0)
-        second = self._nodes.T @ self._moments
+        second = np.einsum("ni,nj->ij", self._nodes, self._moments)
         self.J0 = np.trace(second) * np.eye(3) - second
         self._starts = np.searchsorted(mu.indptr, np.linspace(0, mu.nnz, PARTS + 1)).astype(np.int64)
         self._starts[0], self._starts[-1] = 0, len(nodes)

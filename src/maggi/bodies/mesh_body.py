@@ -196,7 +196,7 @@ def _finish(
 ) -> MeshBody:
     B = sp.hstack(columns).tocsc() if columns else sp.csc_matrix((K.shape[0], 0))
     C = np.ascontiguousarray(inertia.matrix @ Phi)
-    J6 = Phi.T @ C
+    J6 = np.einsum("ni,nj->ij", Phi, C)  # in one thread, and one order
     J6 = 0.5 * (J6 + J6.T)
     return MeshBody(
         name,

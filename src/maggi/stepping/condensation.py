@@ -92,14 +92,17 @@ class Condensations:
         if found is None:
             self._make_room()
             k1, k2 = self._weights(c)
-            body = self._body
-            found = self._condense(self._factors.factorise(k1, body.inertia.matrix, k2), k1, k2)
+            found = self._condense(self.factorise(k1, k2), k1, k2)
         self._kept[c] = found  # the last one used
         return found
 
     def at_rest(self) -> Condensation:
         """The constants of an instant (h = 0): Ŝ = M. Not kept."""
         return self._condense(self._body.inertia.factorised(), 1.0, 0.0)
+
+    def factorise(self, k1: float, k2: float) -> Factor:
+        """The factor of k₁M + k₂K."""
+        return self._factors.factorise(k1, self._body.inertia.matrix, k2)
 
     def _make_room(self) -> None:
         """Before another is made, which will be about as large as the last."""
