@@ -88,7 +88,7 @@ MISTAKES = {
     "elastic body joined without attachment": ("bar.root]", "§bar]", "joints.weld.between.1", "held at attachments only", "bar.root, bar.tip"),
     "reduction": ("  material: steel", "  reduction: {method: craig-bampton, modes: §900}\n    material: steel", "bodies.bar.reduction.modes", "900 modes are asked for; with its attachments held the body has", "fewer"),
     "geometric stiffening": ("  material: steel", "  geometric_stiffening: §true\n    material: steel", "bodies.bar.geometric_stiffening", "not built yet", "geometric_stiffening: false"),
-    "automatic step": ("step: 1e-3", "step: §auto", "simulation.step", "not built yet", "such as 1e-5"),
+    "accuracy of fixed steps": ("step: 1e-3", "step: 1e-3, accuracy: §1e-6", "simulation.accuracy", "have no accuracy", "step: auto"),
     "run shorter than a step": ("duration: 4e-3, step: 1e-3", "duration: 4e-4, step: §1e-3", "simulation.step", "longer than the duration 0.0004 s", "shorten the step"),
     "driver that starts off zero": ("angle: speed*t", "angle: §speed*t + 0.1", "joints.motor.angle", "is 0.1 rad at t = 0", "subtract it"),
     "initial velocity against the joints": ("    mass: 1", "    mass: 1\n    velocity: §{linear: [1, 0, 0]}", "bodies.crank.velocity", "contradicts the joints", "fewer bodies"),
@@ -224,7 +224,7 @@ def test_missing_output_folder(folder):
 
 
 def test_several_mistakes_are_told_at_once_in_the_order_of_the_file(folder):
-    text = MODEL.replace("7850", "-7850").replace("mass: 1", "mas: 1").replace("step: 1e-3", "step: auto")
+    text = MODEL.replace("7850", "-7850").replace("mass: 1", "mas: 1").replace("step: 1e-3", "step: soon")
     Path("model.yml").write_text(text)
     found = maggi("run", "model.yml")
     assert found.exit_code == 2

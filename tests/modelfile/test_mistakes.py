@@ -97,7 +97,7 @@ CASES = [
     ("reduction: none", "reduction: {method: craig-bampton, modes: §1.5}", "bodies.rod.reduction.modes", "found 1.5", ""),
     # not built yet
     ("stiffening: false", "stiffening: §true", "bodies.rod.geometric_stiffening", "geometric stiffening is not built yet, found true", "false"),
-    ("step: 1e-5", "step: §auto", "simulation.step", "an automatic step is not built yet", "such as 1e-5"),
+    ("step: 1e-5", "step: 1e-5, accuracy: §1e-6", "simulation.accuracy", "steps of 1e-05 s have no accuracy", "step: auto"),
     ("generalized-alpha", "§euler", "simulation.method", "'dop853' or 'radau', found 'euler'", ""),
     ("method: generalized-alpha, rho_inf: 0.9", "method: radau, rho_inf: §0.9", "simulation.rho_inf", "radau has no rho_inf", "leave it out"),
     (QUANTITIES, "[bodies, §stress]", "outputs.quantities.1", "unknown quantity 'stress'", "bodies, attachments"),

@@ -11,7 +11,9 @@ from maggi.stepping.nodal_kernels import inner_product
 
 Array = NDArray[np.float64]
 
-REGULARISATION = 1e-10  # of the largest K/M: a shift far below the elastic spectrum; solutions are refined with K itself
+REGULARISATION = (
+    1e-10  # of the largest K/M: a shift far below the elastic spectrum; solutions are refined with K itself
+)
 REFINEMENTS = 4
 
 

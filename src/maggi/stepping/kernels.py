@@ -479,7 +479,7 @@ def iterate(
                 estimate = 0.0
             if iteration == 1 and not measured:
                 estimate = math.inf
-            settled = worst <= round_off or (worst <= STALLED and worst > 0.3 * worst_before)
+            settled = worst <= round_off or (iteration >= 3 and worst <= STALLED and worst > 0.3 * worst_before)
             # at round-off corrections no longer fall: a stiff body answers that of the joints' positions
             stalled = (
                 iteration >= 3

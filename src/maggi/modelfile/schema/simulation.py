@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    StrictBool,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    model_validator,
+)
 
 from ...model import units
 from ...model.simulation import QUANTITIES, Outputs, Simulation
@@ -19,14 +27,21 @@ ACCURACY = 1e-6
 LONGEST = 100
 """Over how many of them the duration goes where `step: auto` does not say how long steps may be."""
 
+AUTO = 0.0
+"""What `step: auto` becomes; no step that is given can be zero."""
+
 Step = Annotated[float, Field(gt=0), Number(units.TIME)]
+
+
+def _auto(value: Any, given: ValidatorFunctionWrapHandler) -> Any:
+    return AUTO if value == "auto" else given(value)
 
 
 class SimulationSection(Section):
     """A run in time."""
 
     duration: PositiveTime = Field(description="length of the run (s)")
-    step: Step | Literal["auto"] = Field(description="step (s), or auto: as long as `accuracy` allows")
+    step: Annotated[Step, WrapValidator(_auto)] = Field(description="step (s), or auto: as long as `accuracy` allows")
     accuracy: Annotated[float, Field(gt=0, lt=1), Number(units.NUMBER)] = Field(
         ACCURACY,
         description="with step: auto, the error that a step may add to any position, relative to the mechanism's size "
@@ -60,9 +75,9 @@ class SimulationSection(Section):
     @model_validator(mode="after")
     def _countable(self) -> SimulationSection:
         for key in ("accuracy", "longest_step"):
-            if self.step != "auto" and key in self.model_fields_set:
+            if self.step != AUTO and key in self.model_fields_set:
                 raise mistake(f"steps of {self.step:g} s have no {key}", "leave it out, or use step: auto", (key,))
-        if self.step == "auto" and self.method != "generalized-alpha":
+        if self.step == AUTO and self.method != "generalized-alpha":
             raise mistake(
                 f"{self.method} chooses its own steps by `tolerance`",
                 "give the time between two rows as step",
@@ -93,12 +108,12 @@ class SimulationSection(Section):
             self.start,
             self.method,
             self.assemble,
-            self.accuracy if self.step == "auto" else None,
+            self.accuracy if self.step == AUTO else None,
         )
 
     def _nominal(self) -> tuple[float, str]:
         """The nominal step (s) and the key that gives it."""
-        if self.step != "auto":
+        if self.step != AUTO:
             return self.step, "step"
         return (self.duration / LONGEST if self.longest_step is None else self.longest_step), "longest_step"
 
