@@ -49,6 +49,7 @@ CASES = (
     Case("growth"),
     Case("long_run", ("--steps", "20000"), ()),
     Case("simeon_crank", (), (), named=True),
+    Case("where", named=True),
 )
 
 

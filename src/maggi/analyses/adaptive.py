@@ -30,8 +30,10 @@ class AdaptiveSteps:
         self._step = step
         self._accuracy = accuracy
         self._halvings = 0
+        self._longer = False  # steps become longer as soon as the place allows it
         self._watch = Watch(stepper.system.model, step)
         stepper.set_step(step)
+        stepper.bound(accuracy)
 
     def steps(self, first: int, count: int) -> None:
         """Nominal steps first … first + count − 1; raises SimulationError where the shortest part fails."""
@@ -43,31 +45,26 @@ class AdaptiveSteps:
     def _go(self, first: int, last: int, least: int) -> None:
         """From nominal step `first` to `last` with at least so many halvings."""
         stepper, whole = self._stepper, 2**DEEPEST
-        stepper.bound(self._accuracy)
         if self._halvings < least:
             self._change(least - self._halvings)
         place, end = first * whole, last * whole
-        longer = False  # as soon as the place allows it
         while place < end:
             part = 2 ** (DEEPEST - self._halvings)
-            if longer and place % (2 * part) == 0:
-                longer = False
+            if self._longer and self._halvings > least and place % (2 * part) == 0:
                 self._change(-1)
                 continue
-            parts = 1 if longer else (end - place) // part
+            parts = 1 if self._longer else (end - place) // part
             done = stepper.advance(self._step * (place / whole), parts)
             place += done * part
             if stepper.reason == kernels.COULD_BE_LONGER:
                 stepper.bound(self._accuracy)
-                longer = self._halvings > least
+                self._longer = self._halvings > least
             elif stepper.reason == kernels.TOO_LARGE:
                 stepper.counts.rejected += 1
-                longer = False
                 excess = stepper.error / self._accuracy
                 self._shorten(place, max(1, math.ceil(math.log2(excess) / ORDER)) if math.isfinite(excess) else 1)
             elif stepper.reason != kernels.CONVERGED:
                 stepper.counts.restarts += 1
-                longer = False
                 self._shorten(place, 1)
 
     def _shorten(self, place: int, halvings: int) -> None:
@@ -78,5 +75,6 @@ class AdaptiveSteps:
 
     def _change(self, halvings: int) -> None:
         self._halvings += halvings
+        self._longer = False
         self._stepper.set_step(self._step / 2**self._halvings)
         self._stepper.bound(self._accuracy)

@@ -30,8 +30,12 @@ class Watch:
 
     def __init__(self, model: Model, step: float) -> None:
         self._functions = time_functions(model)
-        self._largest = np.zeros(len(self._functions))
         self._step = step
+        # what values count as large, to begin with from a look at the whole run
+        duration = step if model.simulation is None else model.simulation.duration
+        times = np.linspace(0.0, duration, 16 * SAMPLES + 1).tolist()
+        seen = [np.abs(np.nan_to_num(value_at(function, times))) for function in self._functions]
+        self._largest = np.array([float(values.max()) for values in seen])
 
     def busy(self, first: int, count: int) -> NDArray[np.bool_]:
         """Which of the nominal steps first … first + count − 1 are such (count,)."""

@@ -15,9 +15,11 @@ from maggi.linalg.factor import Factor, factorise
 from maggi.linalg.vectors import cross
 
 from .freedoms import Freedoms
-from .mean_axes import PARTS, MeanAxes, RigidColumns
+from .mean_axes import MeanAxes, RigidColumns
 
 Array = NDArray[np.float64]
+
+PARTS = 16  # of the nodes, summed separately so that sums do not depend on the number of threads
 
 
 class MeshInertia(Protocol):
@@ -87,7 +89,8 @@ class IsotropicInertia:
         self._field = np.empty((len(nodes), 3))
         self._on_tied = np.empty((self._tied, 3))
         self._drive = np.empty(9)
-        self._sums = np.zeros((PARTS + 1, 9))
+        self._sums = np.zeros((PARTS, 6))
+        self._moved = np.zeros(9)
 
     @property
     def matrix(self) -> sp.csr_matrix:
@@ -144,7 +147,7 @@ class IsotropicInertia:
             ties.master,
             ties.arm,
             self._field,
-            self._sums,
+            self._moved,
         )
 
     def _gather(self, u: Array, nodal: Array, frame: Array) -> None:
@@ -168,7 +171,7 @@ class IsotropicInertia:
 
     def _deformed(self) -> tuple[Array, Array]:
         """S and J from the sums ``Σ w u`` and the upper triangle of ``Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ``."""
-        s = self._sums.sum(axis=0)
+        s = self._moved
         second = s[[3, 4, 5, 4, 6, 7, 5, 7, 8]].reshape(3, 3)
         return self.S0 + s[:3], self.J0 + (s[3] + s[6] + s[8]) * np.eye(3) - second
 
@@ -392,35 +395,21 @@ def _tied_value(x, block, arm):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True)
 def _accelerations(drive, X, weights, moments, u, ud, udd, master, arm, out, sums):  # type: ignore[no-untyped-def]
     """a_n = a_O + ε × c + ω × (ω × c + 2 u̇) + ü, c = X + u (T4), free nodes first; gravity is in a_O, drive (9,) is a_O, ω, ε.
 
-    sums (p + 1, 9): Σ w u and the upper triangle of Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ by parts of the free nodes; tied ones last.
+    sums (9,): Σ w u and the upper triangle of Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ.
     """
-    parts = sums.shape[0] - 1
     free = X.shape[0] - master.size
-    for part in prange(parts):
-        own = np.zeros(9)
-        for n in range(free * part // parts, free * (part + 1) // parts):
-            _at_node(
-                drive,
-                X[n],
-                weights[n],
-                moments[n],
-                (u[n, 0], u[n, 1], u[n, 2]),
-                (ud[n, 0], ud[n, 1], ud[n, 2]),
-                (udd[n, 0], udd[n, 1], udd[n, 2]),
-                out[n],
-                own,
-            )
-        sums[part] = own
-    own = np.zeros(9)
+    sums[:] = 0.0
+    for n in range(free):
+        here = (u[n, 0], u[n, 1], u[n, 2]), (ud[n, 0], ud[n, 1], ud[n, 2]), (udd[n, 0], udd[n, 1], udd[n, 2])
+        _at_node(drive, X[n], weights[n], moments[n], here[0], here[1], here[2], out[n], sums)
     for k in range(master.size):
         n, b, r = free + k, master[k], arm[k]
         tied = _tied_value(u, b, r), _tied_value(ud, b, r), _tied_value(udd, b, r)
-        _at_node(drive, X[n], weights[n], moments[n], tied[0], tied[1], tied[2], out[n], own)
-    sums[parts] = own
+        _at_node(drive, X[n], weights[n], moments[n], tied[0], tied[1], tied[2], out[n], sums)
 
 
 @njit(cache=True, parallel=True)
@@ -428,7 +417,7 @@ def _inertia_forces(  # type: ignore[no-untyped-def]
     indptr, indices, values, starts, a, X, u, master, arm, nodal, on_tied, frame, sums
 ):
     """F = μ a, gathered on the freedoms' blocks, nodal (b, 3), and on the frame: resultant and moment Φ(c)ᵀ F, (6,)."""
-    parts = sums.shape[0] - 1
+    parts = sums.shape[0]
     free = X.shape[0] - master.size
     for part in prange(parts):
         f0 = f1 = f2 = m0 = m1 = m2 = 0.0

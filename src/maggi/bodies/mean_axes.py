@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
-PARTS = 16  # of the freedoms, summed separately so that sums do not depend on the number of threads
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +36,6 @@ class MeanAxes:
     def __init__(self, Phi: RigidColumns, C: RigidColumns, J6: Array) -> None:
         self._Phi, self._C = Phi, C
         self._inverse = np.ascontiguousarray(np.linalg.inv(J6))
-        self._sums = np.zeros((PARTS, 6))
 
     def project(self, x: Array) -> None:
         """``x ← P x``, (nd,)."""
@@ -58,40 +55,34 @@ class MeanAxes:
             out.rest,
             self._inverse,
             x.reshape(-1, 3),
-            self._sums,
         )
 
 
-@njit(cache=True, parallel=True)
-def _subtract(scale, arm, rest, out_scale, out_arm, out_rest, inverse, x, sums):  # type: ignore[no-untyped-def]
+@njit(cache=True)
+def _subtract(scale, arm, rest, out_scale, out_arm, out_rest, inverse, x):  # type: ignore[no-untyped-def]
     """``x −= A J⁻¹ Bᵀ x`` for B of scale, arm, rest and A of out_scale, out_arm, out_rest; x (b, 3)."""
     first = scale.size
-    parts = sums.shape[0]
-    for part in prange(parts):
-        f0 = f1 = f2 = m0 = m1 = m2 = 0.0
-        for n in range(first * part // parts, first * (part + 1) // parts):
-            x0, x1, x2 = x[n, 0], x[n, 1], x[n, 2]
-            p0, p1, p2 = arm[n, 0], arm[n, 1], arm[n, 2]
-            f0 += scale[n] * x0
-            f1 += scale[n] * x1
-            f2 += scale[n] * x2
-            m0 += p1 * x2 - p2 * x1
-            m1 += p2 * x0 - p0 * x2
-            m2 += p0 * x1 - p1 * x0
-        sums[part, 0], sums[part, 1], sums[part, 2] = f0, f1, f2
-        sums[part, 3], sums[part, 4], sums[part, 5] = m0, m1, m2
-    total, g = np.zeros(6), np.zeros(6)
-    for part in range(parts):
-        total += sums[part]
+    f0 = f1 = f2 = m0 = m1 = m2 = 0.0
+    for n in range(first):
+        x0, x1, x2 = x[n, 0], x[n, 1], x[n, 2]
+        p0, p1, p2 = arm[n, 0], arm[n, 1], arm[n, 2]
+        f0 += scale[n] * x0
+        f1 += scale[n] * x1
+        f2 += scale[n] * x2
+        m0 += p1 * x2 - p2 * x1
+        m1 += p2 * x0 - p0 * x2
+        m2 += p0 * x1 - p1 * x0
+    total = np.array([f0, f1, f2, m0, m1, m2])
     for k in range(rest.shape[0]):
         for i in range(3):
             for j in range(6):
                 total[j] += rest[k, i, j] * x[first + k, i]
+    g = np.zeros(6)
     for i in range(6):
         for j in range(6):
             g[i] += inverse[i, j] * total[j]
     g0, g1, g2, h0, h1, h2 = g[0], g[1], g[2], g[3], g[4], g[5]
-    for n in prange(first):
+    for n in range(first):
         p0, p1, p2 = out_arm[n, 0], out_arm[n, 1], out_arm[n, 2]
         x[n, 0] -= out_scale[n] * g0 + h1 * p2 - h2 * p1
         x[n, 1] -= out_scale[n] * g1 + h2 * p0 - h0 * p2

@@ -38,6 +38,7 @@ from .spring_kernels import (
 )
 from .tables import (
     ACCEPT_STEP,
+    BEST,
     BLOCK_COMPLIANCES,
     BLOCK_FORCES,
     BLOCK_POWER,
@@ -84,8 +85,8 @@ def coefficients(work: StepWork) -> GeneralizedAlpha:
 
 @Link
 def predict(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
-    """Accelerations extrapolated by a polynomial of the order asked for, 0 to 3, and the Newmark state that follows."""
-    c, order = coefficients(work), work.flags[ORDER]
+    """Accelerations extrapolated by a polynomial, 0 to 3, of the order that did best, and the Newmark state that follows."""
+    c, order = coefficients(work), min(work.flags[ORDER], work.flags[BEST])
     vectors = state.vectors
     a, a_next, a_previous, a_older = vectors.a, vectors.a_next, vectors.a_previous, vectors.a_older
     a_oldest = vectors.a_oldest
@@ -516,6 +517,45 @@ def iterate(
     return NOT_CONVERGED, MAX_ITERATIONS
 
 
+@njit(cache=True, error_model="numpy")
+def best_order(small: SmallSystem, order: int, vectors: StepVectors) -> int:
+    """The order, up to that available, by which this step's accelerations would have been predicted best.
+
+    Smooth motion asks for the highest. Where a step does not resolve an oscillation, accelerations change sign from step to
+    step, and every order more would double what a prediction is off by.
+    """
+    a, a_next, a_previous, a_older, size = (
+        vectors.a,
+        vectors.a_next,
+        vectors.a_previous,
+        vectors.a_older,
+        small.tree.size,
+    )
+    a_oldest = vectors.a_oldest
+    e0 = e1 = e2 = e3 = 0.0
+    for i in range(a.shape[0]):
+        w = size[i] if size[i] > 0.0 else 1.0
+        # differences of rising order
+        d0 = w * (a_next[i] - a[i])
+        d1 = d0 - w * (a[i] - a_previous[i])
+        d2 = d1 - w * (a[i] - 2.0 * a_previous[i] + a_older[i])
+        d3 = d2 - w * (a[i] - 3.0 * a_previous[i] + 3.0 * a_older[i] - a_oldest[i])
+        e0 += d0 * d0
+        e1 += d1 * d1
+        e2 += d2 * d2
+        e3 += d3 * d3
+    best = 0
+    least = e0
+    if order >= 1 and e1 < least:
+        best, least = 1, e1
+    if order >= 2 and e2 < least:
+        best, least = 2, e2
+    if order >= 3 and e3 < least:
+        best = 3
+    # one more than could be tried for as long as the steps before are few
+    return best + 1 if best == order else best
+
+
 @Link
 def accept(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
     """Make the end of the step the present: integrate work and dissipation by the trapezoidal rule, renew the scales."""
@@ -543,6 +583,7 @@ def accept(small: SmallSystem, state: StepState, work: StepWork, t: float) -> No
             now.origin[b, i] = motion.origin[b, i]
             for j in range(3):
                 now.rotation[b, i, j] = motion.rotation[b, i, j]
+    work.flags[BEST] = best_order(small, work.flags[ORDER], vectors)
     a, a_next, a_previous, a_older = vectors.a, vectors.a_next, vectors.a_previous, vectors.a_older
     a_oldest = vectors.a_oldest
     nu, nu_next, nud, nud_next = vectors.nu, vectors.nu_next, vectors.nud, vectors.nud_next
@@ -644,7 +685,6 @@ def advance(
                 move_blocks(small, state)
                 if links[PRESCRIBE] != 0:
                     call3(links[PRESCRIBE], small, state, work, end)
-            work.flags[ORDER] = min(work.flags[ORDER] + 1, HIGHEST_ORDER)
         if phase == WHOLE_STEPS or phase == ITERATE:
             reason, corrections = iterate(small, state, work, c, end, tolerance)
             total += corrections
@@ -658,6 +698,7 @@ def advance(
             work.flags[CALM] = work.flags[CALM] + 1 if error <= TWICE * bound else 0
         if phase == WHOLE_STEPS or phase == ACCEPT:
             call3(links[ACCEPT_STEP], small, state, work, end)
+            work.flags[ORDER] = min(work.flags[ORDER] + 1, HIGHEST_ORDER)
         if bound > 0.0 and work.flags[CALM] >= CALM_STEPS:
             return COULD_BE_LONGER, k + 1, total
     return CONVERGED, steps, total

@@ -26,13 +26,14 @@ from .instant_kernels import show, to_model
 from .linking import link
 from .mesh_groups import mesh_groups
 from .policy import MOST, SolvePolicy
-from .tables import BOUND, CALM, DISSIPATION, ERROR, ORDER
+from .tables import BEST, BOUND, CALM, DISSIPATION, ERROR, ORDER
 
 Array = NDArray[np.float64]
 
 # The tolerance is for positions, relative to the size, and this many times as large for nodal accelerations: one more
 # back-substitution in smooth motion changes neither (see docs/decisions.md).
 FORCE_SHARE = 1e3
+SETTLE = 10  # steps after which displacements of meshes are put on mean axes again: round-off by then, and below it
 
 
 @dataclass
@@ -206,7 +207,9 @@ class Stepper:
         """The compiled step on this system's tables and state; see `kernels.advance`."""
         work = self.work
         work.method[:] = c
-        work.flags[ORDER] = min(self._alike, 1 if self.meshes else kernels.HIGHEST_ORDER)
+        work.flags[ORDER] = min(self._alike, kernels.HIGHEST_ORDER)
+        if self.meshes:  # whose nodal accelerations are predicted by a line
+            work.flags[BEST] = 1
         work.numbers[DISSIPATION] = dissipation
         reason, done, corrections = kernels.advance(self.small, self.trial, work, phase, t, steps, self._tolerance)
         return reason, done, corrections
@@ -236,7 +239,7 @@ class Stepper:
         for mesh in self.meshes:
             mesh.accept()
         self.counts.steps += 1
-        if self.counts.steps % 100 == 0:
+        if self.counts.steps % SETTLE == 0:
             for mesh in self.meshes:
                 mesh.settle()
         for mesh in self.meshes:

@@ -15,9 +15,9 @@ from maggi.projection.tree_tables import JointPoses, Tree, TreeWork
 EVALUATE, REFRESH, CORRECT, ACCEPT_STEP, PREDICT_STEP = 0, 1, 2, 3, 4
 PRESCRIBE, BLOCK_COMPLIANCES, BLOCK_FORCES, BLOCK_POWER, ROWS, LINKS = 5, 6, 7, 8, 9, 10
 
-# StepWork.flags: whether this is a step's first correction; order of the prediction; how many steps in a row could have been
-# twice as long.
-FIRST, ORDER, CALM = 0, 1, 2
+# StepWork.flags: whether this is a step's first correction; the highest order that the prediction may have; how many steps in a
+# row could have been twice as long; the order that would have been best for the last step.
+FIRST, ORDER, CALM, BEST = 0, 1, 2, 3
 
 # StepWork.numbers: sine of the smallest angle between rows; powers (W): that damping of meshed bodies takes, that prescribed
 # frames give, that damping of Ritz bodies takes; the local error that a step may make, 0 for steps of one size, and the one
@@ -136,7 +136,7 @@ class StepWork(Table):
     mesh bodies' increments already contain. position_force, velocity_force (m,): accumulated Aᵀπ, Aᵀκ.
     given (n,): forces Aᵀλ − Q on bodies; loads (n,): Q. stiffness, on_joints (m,): of springs on single free motions, and
     their forces. The rest are vectors of one iteration; product (n,), ritz (14, longest): room for kernels. method (6,): coefficients of the step;
-    flags (3,), numbers (6,): see above.
+    flags (4,), numbers (6,): see above.
     """
 
     tree: TreeWork
