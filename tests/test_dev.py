@@ -19,7 +19,7 @@ def checkout(tmp_path):
     """A copy of what ./dev reads, in a folder with a space, without an environment."""
     folder = tmp_path / "a checkout"
     folder.mkdir()
-    for name in ("dev", "pyproject.toml", "requirements.txt", "requirements-dev.txt"):
+    for name in ("dev", "pyproject.toml", "requirements.txt", "requirements-dev.txt", "requirements-bench.txt"):
         shutil.copy(ROOT / name, folder)
     return folder
 
@@ -94,10 +94,28 @@ def test_a_second_setup_has_nothing_to_do(checkout, fake_python):
     assert dev(checkout, "setup", env=env).returncode == 1
 
 
+def test_benchmarks_do_without_a_peer_that_cannot_be_installed(checkout, fake_python):
+    """Its columns stay empty; one line says why."""
+    folder = checkout / ".venv-bench" / "bin"
+    folder.mkdir(parents=True)
+    python = 'case "$*" in *requirements-bench*) exit 1 ;; *run.py*) echo "ran: $*" ;; esac'
+    for name, script in (("maggi", "exit 0"), ("python", python)):
+        (folder / name).write_text(f"#!/bin/sh\n{script}\n")
+        (folder / name).chmod(0o755)
+    state = f"{checkout.resolve()}\n{(checkout / 'pyproject.toml').read_text()}{(checkout / 'requirements.txt').read_text()}"
+    stamp = subprocess.run(["cksum"], input=state, capture_output=True, text=True, check=True).stdout
+    (checkout / ".venv-bench" / "requirements.txt.stamp").write_text(stamp)
+    result = dev(checkout, "bench", "chains", env=fake_python("exit 1"))
+    assert result.returncode == 0
+    assert result.stdout == "ran: benchmarks/run.py chains\n"
+    (line,) = result.stderr.splitlines()
+    assert "Exudyn cannot be installed" in line
+
+
 def test_requirements_pin_every_line_with_hashes_and_name_no_address():
-    for name in ("requirements.txt", "requirements-dev.txt"):
+    for name, least in (("requirements.txt", 15), ("requirements-dev.txt", 15), ("requirements-bench.txt", 1)):
         lines = (ROOT / name).read_text().splitlines()
         assert not [line for line in lines if "://" in line or "index" in line]
         pins = [i for i, line in enumerate(lines) if "==" in line and "--hash" not in line]
-        assert len(pins) >= 15
+        assert len(pins) >= least
         assert all("--hash=sha256:" in lines[i + 1] for i in pins)
