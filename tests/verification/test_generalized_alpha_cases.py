@@ -4,6 +4,7 @@ Reference numbers are those of shared benchmark collections, recomputed to the d
 """
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -42,7 +43,7 @@ def test_four_bars_pass_ten_singular_positions(count):
         assert results.residuals.position.max() < 1e-12
     # second order, down to the 3e-6 that ten passages leave with several loops, whatever the step and the tolerance
     assert errors[0] < 1e-4 and errors[0] / errors[1] > 3.7
-    for coarse, fine in zip(errors, errors[1:], strict=False):
+    for coarse, fine in pairwise(errors):
         assert fine < max(coarse / 3.7, 5e-6)
 
 
