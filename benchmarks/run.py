@@ -88,7 +88,7 @@ def main() -> int:
     if writing:
         RESULTS.write_text(report(done, "long" if given.long else "short"), encoding="utf-8")
         print(f"written: {RESULTS.relative_to(HERE.parent)}")
-    return max(outcome.status for outcome in done)
+    return int(any(outcome.status for outcome in done))  # a script that was killed has a negative status
 
 
 def run(name: str, arguments: tuple[str, ...]) -> Outcomes:
@@ -108,7 +108,9 @@ def run(name: str, arguments: tuple[str, ...]) -> Outcomes:
                 lines.append(line)
         seconds = time.perf_counter() - began
         if process.returncode:
-            lines.append(f"\n{name} failed with exit status {process.returncode}.\n")
+            failure = f"\n{name} failed with exit status {process.returncode}.\n"
+            print(failure, end="")
+            lines.append(failure)
         print(f"({name}: {seconds:.0f} s)\n", flush=True)
         return Outcomes(name, "".join(lines).strip(), seconds, recorded(record), process.returncode)
 

@@ -45,11 +45,13 @@ def _aligned(cell: str, width: int, left: bool) -> str:
 
 
 def figure(value: float | None, digits: int = 3) -> str:
-    """A number with some significant digits, never in powers of ten; a dash for none."""
+    """A number with some significant digits, in powers of ten only where it is tiny; a dash for none."""
     if value is None:
         return MISSING
     if value == 0.0:
         return "0"
+    if abs(value) < 1e-4:
+        return f"{value:.1e}"
     from math import floor, log10
 
     decimals = max(0, digits - 1 - floor(log10(abs(value))))
