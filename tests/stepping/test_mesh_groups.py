@@ -52,7 +52,7 @@ def test_bodies_that_are_the_same_share_a_factor_and_move_alike(count: int) -> N
     assert together.counts.factorisations == 1
     for i in range(count):
         # the same bar alone, among others that are none of its kind
-        others = [replace(BAR, material=Material(2700.0 + k, 7e10, 0.3)) for k in range(count)]
+        others = [replace(BAR, material=Material(2800.0 + k, 7e10, 0.3)) for k in range(count)]
         others[i] = BAR
         if i in (0, count - 1):
             alone = moved(bars(others))
