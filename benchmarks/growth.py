@@ -105,9 +105,10 @@ def slope(numbers: tuple[int, ...], cost: Array) -> float:
 
 
 def draw(measured: list[tuple[Series, Array]], path: Path) -> None:
-    """Two log-log plots: full meshes, and the small system; with a line of slope 1 at each."""
+    """A log-log plot of each family with the line through its points."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter, NullLocator
 
     figure = Figure(figsize=(9.0, 3.6), layout="constrained")
     panels = figure.subplots(1, len(measured), sharex=False)
@@ -118,6 +119,9 @@ def draw(measured: list[tuple[Series, Array]], path: Path) -> None:
         axes.loglog(numbers, 1e6 * cost, "o", markersize=4)
         axes.set_title(f"{family.name}\nslope {fitted[0]:.2f}", fontsize=9)
         axes.set_xlabel(family.unit, fontsize=8)
+        axes.set_xticks(numbers, [f"{number:,}" for number in family.numbers], rotation=60)
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.yaxis.set_minor_formatter(NullFormatter())
         axes.tick_params(labelsize=7)
         axes.spines[["top", "right"]].set_visible(False)
         axes.grid(True, which="major", linewidth=0.3)
