@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numba import njit
 from numba.core.runtime import _nrt_python, rtsys
 
 from maggi.analyses.transient import prepare
@@ -103,6 +104,23 @@ def test_back_substitutions_and_factorisations_of_a_mesh() -> None:
     counts = run(bar(None)).counts
     assert counts.factorisations == 1
     assert counts.back_substitutions / STEPS <= 1.25
+
+
+@njit
+def _wasteful() -> float:
+    return np.zeros(1000).sum()
+
+
+def test_allocations_of_kernels_are_noticed() -> None:
+    """What the next test counts with."""
+    _wasteful()
+    _nrt_python.memsys_enable_stats()
+    try:
+        before = rtsys.get_allocation_stats().alloc
+        _wasteful()
+        assert rtsys.get_allocation_stats().alloc > before
+    finally:
+        _nrt_python.memsys_disable_stats()
 
 
 @pytest.mark.parametrize("model", [chain(10), four_bar()], ids=["chain", "four-bar"])

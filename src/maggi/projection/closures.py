@@ -81,18 +81,22 @@ def apply_mesh_compliance(tree: Tree, bodies: BodyTable, W: Array, g: Array, out
 
 
 @njit(cache=True, error_model="numpy")
+def add_closure_force(tree: Tree, columns: Array, q: int, value: float, out: Array) -> None:
+    """Add to out (m,) the force of closure q, `value` times L⁻¹SᵀAᵀ."""
+    path, node_start = tree.path, tree.node_start
+    for place in range(tree.path_start[q], tree.path_start[q + 1]):
+        node, start = path[place, 0], path[place, 1]
+        s = node_start[node]
+        for i in range(node_start[node + 1] - s):
+            out[s + i] += columns[start + i] * value
+
+
+@njit(cache=True, error_model="numpy")
 def add_closure_forces(tree: Tree, columns: Array, x: Array, sign: float, out: Array) -> None:
     """Add to out (m,) the forces ± L⁻¹SᵀAᵀ x of the first closures, as many as x has."""
-    path, path_start, node_start = tree.path, tree.path_start, tree.node_start
     for q in range(x.shape[0]):
-        value = sign * x[q]
-        if value == 0.0:
-            continue
-        for place in range(path_start[q], path_start[q + 1]):
-            node, start = path[place, 0], path[place, 1]
-            s = node_start[node]
-            for i in range(node_start[node + 1] - s):
-                out[s + i] += columns[start + i] * value
+        if x[q] != 0.0:
+            add_closure_force(tree, columns, q, sign * x[q], out)
 
 
 @njit(cache=True, error_model="numpy")

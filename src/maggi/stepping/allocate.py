@@ -155,7 +155,6 @@ def new_work(system: System, relative: RelativeSystem) -> StepWork:
         phi=np.zeros(q),
         rates=np.zeros(q),
         product=np.zeros(max(widest, m)),
-        ritz=np.zeros((14, widest)),
         method=np.zeros(6),
         flags=np.zeros(4, dtype=np.int64),
         numbers=np.zeros(6),

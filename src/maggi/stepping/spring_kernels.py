@@ -17,7 +17,7 @@ from maggi.bodies.kernels import generalised_force
 from maggi.bodies.tables import Array
 from maggi.forces.tables import ForceTable
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
-from maggi.projection.closures import closure_rates
+from maggi.projection.closures import add_closure_force, closure_rates
 from maggi.projection.tree_tables import Tree
 
 from .tables import SmallSystem, StepState, StepWork
@@ -112,21 +112,11 @@ def spring_forces(small: SmallSystem, work: StepWork) -> None:
     closure_rates(tree, columns, work.shift, rates)
     for s in range(count):
         k, _ = spring_constants(small.forces, tree, s)
-        add_spring_force(tree, columns, r + s, k * rates[r + s], work.force)
+        add_closure_force(tree, columns, r + s, k * rates[r + s], work.force)
     closure_rates(tree, columns, work.rate_shift, rates)
     for s in range(count):
         _, d = spring_constants(small.forces, tree, s)
-        add_spring_force(tree, columns, r + s, d * rates[r + s], work.force)
-
-
-@njit(cache=True, error_model="numpy")
-def add_spring_force(tree: Tree, columns: Array, q: int, value: float, out: Array) -> None:
-    """Add to out (m,) the force of closure q."""
-    for place in range(tree.path_start[q], tree.path_start[q + 1]):
-        node, start = tree.path[place, 0], tree.path[place, 1]
-        s = tree.node_start[node]
-        for i in range(tree.node_start[node + 1] - s):
-            out[s + i] += columns[start + i] * value
+        add_closure_force(tree, columns, r + s, d * rates[r + s], work.force)
 
 
 @njit(cache=True, error_model="numpy")

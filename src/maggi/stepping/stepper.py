@@ -90,7 +90,6 @@ class Stepper:
         self._tolerance = tolerance
         self._announce = announce
         self._alike = 0  # how many accelerations before the last belong to the same step size
-        self._time = 0.0
 
     def set_step(self, h: float) -> None:
         """Prepare for steps of size h (s): matrices of all bodies, factorised once."""
@@ -151,7 +150,6 @@ class Stepper:
 
     def _show(self, t: float) -> None:
         """Renew `state`, what the accepted state at time t looks like in the frames of the model."""
-        self._time = t
         show(self.small, t, self.trial, self.work, self.state)
 
     def advance(self, t: float, steps: int) -> int:

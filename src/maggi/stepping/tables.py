@@ -135,7 +135,7 @@ class StepWork(Table):
     base (m,): mesh bodies: frame residual, and the free elastic increments. accounted (m,): liaison forces that
     mesh bodies' increments already contain. position_force, velocity_force (m,): accumulated Aᵀπ, Aᵀκ.
     given (n,): forces Aᵀλ − Q on bodies; loads (n,): Q. stiffness, on_joints (m,): of springs on single free motions, and
-    their forces. The rest are vectors of one iteration; product (n,), ritz (14, longest): room for kernels. method (6,): coefficients of the step;
+    their forces. The rest are vectors of one iteration; product (n,): room for kernels. method (6,): coefficients of the step;
     flags (4,), numbers (6,): see above.
     """
 
@@ -168,7 +168,6 @@ class StepWork(Table):
     phi: Array
     rates: Array
     product: Array
-    ritz: Array
     method: Array
     flags: IntArray
     numbers: Array
