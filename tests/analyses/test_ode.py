@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import maggi
 from maggi.analyses.ode import Ode
-from maggi.bodies.kernels import small_body_energy
+from maggi.bodies.small_bodies import small_body_energy
 from maggi.model import End, Model, ModelError, PointLoad, RigidBody, SimulationError, expression
 from maggi.system.build import build_system
 from maggi.system.dense import dense_rows

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from motions import Motion, attachments_at, axial, derivative, mesh_body, rigid_body, ritz_body, second_derivative
 
-from maggi.bodies.kernels import generalised_force
+from maggi.bodies.attachment_kernels import generalised_force
 from maggi.linalg.rotations import rotation_matrix
 from maggi.model.model import Model
 from maggi.system.build import build_system

@@ -15,7 +15,7 @@ from motions import (
     rows_at,
 )
 
-from maggi.bodies.kernels import move
+from maggi.bodies.attachment_kernels import move
 from maggi.bodies.tables import MotionState
 from maggi.forces.kernels import applied_forces
 from maggi.liaisons.registry import JOINTS

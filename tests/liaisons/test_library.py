@@ -9,7 +9,7 @@ from motions import derivative, rows_at, second_derivative
 from random_states import state_in_motion
 from workshop import Workshop
 
-from maggi.bodies.kernels import move
+from maggi.bodies.attachment_kernels import move
 from maggi.bodies.motions import prescribe
 from maggi.model import GROUND
 from maggi.stepping.allocate import copy_motion

@@ -10,7 +10,7 @@ from linkages import four_bar
 from motions import positive
 
 from maggi.analyses.initial import initial_motion
-from maggi.bodies.kernels import move
+from maggi.bodies.attachment_kernels import move
 from maggi.projection.maggi import accelerations, closest_velocities, liaison_forces, project, restore
 from maggi.stepping.allocate import copy_motion
 from maggi.system.build import build_system

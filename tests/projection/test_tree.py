@@ -12,11 +12,12 @@ from maggi.projection.closures import (
     closure_rates,
     closure_scale,
 )
-from maggi.projection.tree_build import relative_motion, relative_system
+from maggi.projection.relative_motion import relative_motion
+from maggi.projection.relative_system import relative_system
 from maggi.projection.tree_kernels import closure_columns, outwards, tree_factor
 from maggi.stepping.allocate import new_instant, new_state, new_work, small_system
+from maggi.stepping.evaluation import evaluate
 from maggi.stepping.instant_kernels import show
-from maggi.stepping.kernels import evaluate
 from maggi.stepping.linking import link
 from maggi.system.build import build_system
 from maggi.system.dense import dense_mass, dense_rows
@@ -110,7 +111,7 @@ def test_compliance_of_closures_is_that_of_the_null_space(case, sigma):
     force, z = np.zeros(len(tree.size)), np.zeros(len(tree.size))
     add_closure_forces(tree, work.tree.columns, x, 1.0, force)
     apply_compliance(tree, case.relative.bodies, work.W, work.tree, force, z)
-    closure_rates(tree, work.tree.columns, z, out)
+    closure_rates(tree, work.tree.columns, z, 0, out)
     np.testing.assert_allclose(out, expected @ x, atol=1e-9 * max(1e-300, np.abs(expected).max(initial=1.0)))
     # the motion itself, on the bodies: S (SᵀσMS)⁻¹ Aᵀ x
     outwards(tree, work.tree, z)

@@ -48,10 +48,10 @@ def test_without_a_second_process_the_run_goes_on(cache: Path, monkeypatch: pyte
 
 
 def test_the_kernel_that_is_compiled_is_the_one_that_runs_use() -> None:
-    from maggi.stepping import kernels
+    from maggi.stepping import iteration
 
     ahead.compile_step()
-    count = len(kernels.advance.signatures)
+    count = len(iteration.advance.signatures)
     from maggi.analyses.transient import run
     from maggi.model.bodies import RigidBody
     from maggi.model.model import Model
@@ -60,4 +60,4 @@ def test_the_kernel_that_is_compiled_is_the_one_that_runs_use() -> None:
 
     inertia = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     run(Model(bodies={"b": RigidBody(1.0, inertia=inertia)}, simulation=Simulation(0.01, 1e-3)), MemoryRecorder())
-    assert len(kernels.advance.signatures) == count
+    assert len(iteration.advance.signatures) == count

@@ -7,8 +7,9 @@ import pytest
 from motions import Motion, mesh_body, rigid_body, ritz_body
 from scipy.linalg import expm
 
-from maggi.bodies.kernels import mass_matrix, move
+from maggi.bodies.attachment_kernels import move
 from maggi.bodies.mesh_body import build_mesh_body
+from maggi.bodies.small_bodies import body_mass
 from maggi.integrators.generalized_alpha import generalized_alpha
 from maggi.model.attachments import Attachment, NamedSet
 from maggi.model.bodies import ElasticBody, GivenMotion, RigidBody
@@ -16,8 +17,8 @@ from maggi.model.materials import Damping, Material
 from maggi.model.meshes import BeamMesh, BoxMesh, Section
 from maggi.model.model import Model
 from maggi.stepping.allocate import copy_motion, elastic_compliances
+from maggi.stepping.block_kernels import compliances
 from maggi.stepping.mesh_step import MeshStep
-from maggi.stepping.ritz_kernels import compliances
 from maggi.system.build import build_system
 
 STEP = generalized_alpha(1e-3, 0.7)
@@ -38,8 +39,7 @@ def test_compliances_of_ritz_bodies():
     for b, body in enumerate(bodies.values(), 1):
         o, e = table.offset[b], table.offset[b + 1]
         block = W[table.block[b] : table.block[b + 1]].reshape(e - o, e - o)
-        matrix = np.empty((e - o, e - o))
-        mass_matrix(table, b, state.e[o + 6 : e], matrix)
+        matrix = body_mass(table, b, state.e[o + 6 : e])
         matrix[3:6, 3:6] += system.inertia_floor[b] * np.eye(3)
         matrix *= STEP.sigma
         matrix[6:, 6:] += STEP.gamma * STEP.h * body.terms.D + STEP.beta * STEP.h**2 * body.terms.k

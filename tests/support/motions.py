@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from maggi.bodies.kernels import attachment_motion
+from maggi.bodies.attachment_kernels import attachment_motion
 from maggi.bodies.tables import AttachmentState, MotionState
 from maggi.elements.moving_frame import inertia_constants
 from maggi.liaisons.kernels import evaluate_rows

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from maggi.bodies.kernels import move
+from maggi.bodies.attachment_kernels import move
 from maggi.bodies.motions import prescribe
 from maggi.projection.maggi import closest_velocities, project, restore
 from maggi.stepping.allocate import copy_motion

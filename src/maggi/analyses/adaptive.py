@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from maggi.stepping import kernels
+from maggi.stepping import iteration
 from maggi.stepping.stepper import Stepper
 
 from .time_functions import SAMPLES, Watch
@@ -56,14 +56,14 @@ class AdaptiveSteps:
             parts = 1 if self._longer else (end - place) // part
             done = stepper.advance(self._step * (place / whole), parts)
             place += done * part
-            if stepper.reason == kernels.COULD_BE_LONGER:
+            if stepper.reason == iteration.COULD_BE_LONGER:
                 stepper.bound(self._accuracy)
                 self._longer = self._halvings > least
-            elif stepper.reason == kernels.TOO_LARGE:
+            elif stepper.reason == iteration.TOO_LARGE:
                 stepper.counts.rejected += 1
                 excess = stepper.error / self._accuracy
                 self._shorten(place, max(1, math.ceil(math.log2(excess) / ORDER)) if math.isfinite(excess) else 1)
-            elif stepper.reason != kernels.CONVERGED:
+            elif stepper.reason != iteration.CONVERGED:
                 stepper.counts.restarts += 1
                 self._shorten(place, 1)
 

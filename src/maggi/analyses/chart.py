@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
-from maggi.bodies.kernels import move
+from maggi.bodies.attachment_kernels import move
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MotionState
 from maggi.stepping.allocate import copy_motion

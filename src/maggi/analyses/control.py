@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import generalised_force
+from maggi.bodies.attachment_kernels import generalised_force
 from maggi.bodies.tables import MotionState
 from maggi.liaisons.tables import COORDINATE_JOINT
 from maggi.system.dense import dense_mass

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import attachment_motion
+from maggi.bodies.attachment_kernels import attachment_motion
 from maggi.bodies.tables import MotionState
 from maggi.liaisons.coordinates import joint_coordinates
 from maggi.liaisons.tables import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import move
+from maggi.bodies.attachment_kernels import move
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MotionState
 from maggi.liaisons.tables import ROW_ANGULAR

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import attachment_motion, generalised_force
+from maggi.bodies.attachment_kernels import attachment_motion, generalised_force
 from maggi.bodies.tables import FIXED, MESH, MotionState
 from maggi.formulations.terms import terms_at
 from maggi.liaisons.kernels import evaluate_rows

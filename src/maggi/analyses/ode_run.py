@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import attachment_motion
+from maggi.bodies.attachment_kernels import attachment_motion
 from maggi.bodies.tables import FIXED, RITZ
 from maggi.liaisons.kernels import evaluate_rows
 from maggi.model.errors import SimulationError
@@ -15,8 +15,8 @@ from maggi.model.simulation import Simulation
 from maggi.projection.redundancy import least_norm, left_null_space
 from maggi.stepping.allocate import geometric_metric, new_instant
 from maggi.stepping.failures import almost_flat, why_raised
-from maggi.stepping.kernels import scaled_residuals
 from maggi.stepping.mesh_step import MeshStep
+from maggi.stepping.residuals import scaled_residuals
 from maggi.stepping.stepper import Counts
 from maggi.system.system import System
 

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import attachment_motion, inertia_residual, move
+from maggi.bodies.attachment_kernels import attachment_motion, move
 from maggi.bodies.motions import prescribe
+from maggi.bodies.small_bodies import body_residual
 from maggi.bodies.tables import FIXED, MESH, RITZ, MotionState
 from maggi.forces.kernels import applied_forces
 from maggi.liaisons.kernels import evaluate_rows
@@ -213,6 +214,8 @@ class QuasiStatic:
 
     def _loads(self, motion: MotionState, t: float) -> Array:
         system = self._system
+        if system.forces.empty:
+            return np.zeros(system.coordinates)
         attachments = new_attachments(system.bodies.attachment_body.size)
         rows = new_rows(system)
         attachment_motion(system.bodies, motion, attachments)
@@ -231,7 +234,7 @@ class QuasiStatic:
         for b in range(bodies.kind.size):
             if bodies.kind[b] in (FIXED, MESH):
                 continue
-            inertia_residual(bodies, b, motion, gravity, residual[bodies.offset[b] : bodies.offset[b + 1]])
+            residual[bodies.offset[b] : bodies.offset[b + 1]] = body_residual(bodies, b, motion, gravity)
         free: dict[int, tuple[Array, Array, Array]] = {}
         for body in self._bodies:
             o, e = int(bodies.offset[body.index]), int(bodies.offset[body.index + 1])

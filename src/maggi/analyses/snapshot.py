@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import small_body_energy
+from maggi.bodies.small_bodies import small_body_energy
 from maggi.bodies.tables import MESH, RITZ
 from maggi.liaisons.tables import COORDINATE_KIND, CURVE_FACE, CURVE_POINT, END_ATTACHMENT, TRANSLATION
 from maggi.stepping.mesh_step import MeshStep
@@ -154,8 +154,7 @@ class Snapshots:
         """Kinetic, strain (springs included), gravity energy, energy dissipated, work (5,), J."""
         run = self._run
         state, gravity = run.state, run.system.forces.gravity
-        small = np.zeros(4)
-        small_body_energy(run.system.bodies, state.now, gravity, small)
+        small = small_body_energy(run.system.bodies, state.now, gravity)
         result = np.array([small[0], small[1] + state.power[0], small[2], state.work[1], state.work[0]])
         for mesh in run.meshes:
             result[:3] += mesh.energies(state.now, gravity)

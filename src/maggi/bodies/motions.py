@@ -39,8 +39,14 @@ class MotionTable(Table):
     recorded_rate: Array
 
 
-@njit(cache=True)
 def prescribe(table: MotionTable, bodies: BodyTable, t: float, state: MotionState) -> None:
+    """`move_prescribed`, which nothing calls, or compiles, where no frame is prescribed."""
+    if table.given_body.size or table.recorded_body.size:
+        move_prescribed(table, bodies, t, state)
+
+
+@njit(cache=True)
+def move_prescribed(table: MotionTable, bodies: BodyTable, t: float, state: MotionState) -> None:
     """Set origin, rotation, twist and its rate of every prescribed frame at time t.
 
     Between two recorded instants the motion is continued from the earlier with the constant twist rate that

@@ -31,7 +31,7 @@ class BodyTable(Table):
     ritz (b,): where a Ritz body's constants start, in units of one coordinate (m at ``ritz_square[b]``).
     attachment_body (a,), attachment_point (a, 3) body axes; psi_offset (a,): start of Ψ (6, n_e) in `psi`.
     attachment_axes (a, 3, 3): an attachment's axes as columns in the body's where attachment_turned (a,) is 1: those of
-    rigid bodies whose frame has been put into a joint (`projection.tree_build`).
+    rigid bodies whose frame has been put into a joint (`projection.relative_system`).
     """
 
     kind: IntArray

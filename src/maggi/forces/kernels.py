@@ -6,7 +6,7 @@ import math
 
 from numba import njit
 
-from maggi.bodies.kernels import generalised_force
+from maggi.bodies.attachment_kernels import generalised_force
 from maggi.bodies.tables import Array, AttachmentState, BodyTable, MotionState
 from maggi.liaisons.tables import COORDINATE_JOINT, LiaisonState, LiaisonTable
 from maggi.linalg.jets import evaluate

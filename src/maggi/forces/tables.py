@@ -33,3 +33,8 @@ class ForceTable(Table):
     function_start: IntArray
     function_codes: IntArray
     function_values: Array
+
+    @property
+    def empty(self) -> bool:
+        """Whether there is nothing but gravity."""
+        return self.spring_ends.size + self.torsion_coordinate.size + self.load_attachment.size == 0

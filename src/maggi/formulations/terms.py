@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import attachment_motion, inertia_residual
+from maggi.bodies.attachment_kernels import attachment_motion
+from maggi.bodies.ritz_kernels import inertia_residual
 from maggi.bodies.tables import FIXED, MotionState
 from maggi.forces.kernels import applied_forces
 from maggi.liaisons.kernels import evaluate_rows

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from maggi.bodies.kernels import generalised_force
+from maggi.bodies.attachment_kernels import generalised_force
 from maggi.bodies.tables import AttachmentState, BodyTable, MotionState
 from maggi.linalg.links import Link, call3
 

@@ -1,4 +1,4 @@
-"""Compiled operations on small dense matrices."""
+"""Compiled operations on small dense vectors and matrices."""
 
 from __future__ import annotations
 
@@ -7,6 +7,35 @@ from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+# Sums may be taken in any order, so that several entries are multiplied at once.
+REORDERED = {"reassoc", "contract"}
+
+
+@njit(cache=True, fastmath=REORDERED)
+def multiply(matrix: Array, x: Array, out: Array) -> None:
+    """out (n,) = matrix (n, n) x."""
+    for i in range(x.shape[0]):
+        value = 0.0
+        for j in range(x.shape[0]):
+            value += matrix[i, j] * x[j]
+        out[i] = value
+
+
+@njit(cache=True, fastmath=REORDERED)
+def inner(x: Array, y: Array) -> float:
+    """x · y."""
+    value = 0.0
+    for i in range(x.shape[0]):
+        value += x[i] * y[i]
+    return value
+
+
+@njit(cache=True)
+def add_multiple(factor: float, x: Array, out: Array) -> None:
+    """out += factor · x."""
+    for i in range(x.shape[0]):
+        out[i] += factor * x[i]
 
 
 @njit(cache=True, error_model="numpy")

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import attachment_motion
+from maggi.bodies.attachment_kernels import attachment_motion
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import FIXED, RITZ, AttachmentState, MotionState
 from maggi.liaisons.kernels import evaluate_rows

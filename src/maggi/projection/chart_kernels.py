@@ -7,8 +7,9 @@ import math
 import numpy as np
 from numba import njit
 
-from maggi.bodies.kernels import attachment_motion, inertia_residual, mass_matrix
-from maggi.bodies.motions import MotionTable, prescribe
+from maggi.bodies.attachment_kernels import attachment_motion
+from maggi.bodies.motions import MotionTable, move_prescribed
+from maggi.bodies.ritz_kernels import inertia_residual, mass_matrix
 from maggi.bodies.tables import FIXED, RITZ, Array, AttachmentState, BodyTable, IntArray, MotionState
 from maggi.forces.kernels import applied_forces
 from maggi.forces.tables import ForceTable
@@ -97,7 +98,7 @@ def evaluate(
     """
     u = chart.unknown.shape[0]
     motion = out.motion
-    prescribe(motions, bodies, t, motion)
+    move_prescribed(motions, bodies, t, motion)
     for i in range(u):
         motion.v[chart.unknown[i]] = 0.0
         motion.vd[chart.unknown[i]] = 0.0

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from numba import njit
 
-from maggi.bodies.kernels import inner, multiply
 from maggi.bodies.tables import MESH, Array, BodyTable
+from maggi.linalg.small import inner, multiply
 
 from .tree_tables import Tree, TreeWork
 
@@ -83,12 +83,9 @@ def apply_mesh_compliance(tree: Tree, bodies: BodyTable, W: Array, g: Array, out
 @njit(cache=True, error_model="numpy")
 def add_closure_force(tree: Tree, columns: Array, q: int, value: float, out: Array) -> None:
     """Add to out (m,) the force of closure q, `value` times L⁻¹SᵀAᵀ."""
-    path, node_start = tree.path, tree.node_start
-    for place in range(tree.path_start[q], tree.path_start[q + 1]):
-        node, start = path[place, 0], path[place, 1]
-        s = node_start[node]
-        for i in range(node_start[node + 1] - s):
-            out[s + i] += columns[start + i] * value
+    velocity = tree.column_velocity
+    for c in range(tree.column_start[q], tree.column_start[q + 1]):
+        out[velocity[c]] += columns[c] * value
 
 
 @njit(cache=True, error_model="numpy")
@@ -100,16 +97,13 @@ def add_closure_forces(tree: Tree, columns: Array, x: Array, sign: float, out: A
 
 
 @njit(cache=True, error_model="numpy")
-def closure_rates(tree: Tree, columns: Array, z: Array, out: Array) -> None:
-    """out (first closures): A L⁻ᵀ z of motions z (m,) as `apply_compliance` leaves them."""
-    path, path_start, node_start = tree.path, tree.path_start, tree.node_start
-    for q in range(out.shape[0]):
+def closure_rates(tree: Tree, columns: Array, z: Array, first: int, out: Array) -> None:
+    """out (r,): A L⁻ᵀ z of motions z (m,) as `apply_compliance` leaves them, of closures from the first on."""
+    velocity, start = tree.column_velocity, tree.column_start
+    for q in range(first, out.shape[0]):
         value = 0.0
-        for place in range(path_start[q], path_start[q + 1]):
-            node, start = path[place, 0], path[place, 1]
-            s = node_start[node]
-            for i in range(node_start[node + 1] - s):
-                value += columns[start + i] * z[s + i]
+        for c in range(start[q], start[q + 1]):
+            value += columns[c] * z[velocity[c]]
         out[q] = value
 
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from maggi.bodies.kernels import inner, multiply
 from maggi.bodies.tables import FIXED, MESH, Array, BodyTable, IntArray
 from maggi.liaisons.tables import LiaisonTable
+from maggi.linalg.small import REORDERED, inner, multiply
 
 RANK_TOLERANCE = 1e-11
 """A row is dependent where its pivot falls below this part of its own size (see `docs/decisions.md`)."""
@@ -48,7 +48,7 @@ def assemble_compliance(rows: LiaisonTable, bodies: BodyTable, A: Array, W: Arra
                 out[rows.skyline_start[i] + j - rows.skyline_first[i]] += inner(product, A[p : p + n])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=REORDERED)
 def _eliminate(i: int, first: IntArray, start: IntArray, L: Array, pivot: Array) -> float:
     """Row i of L D Lᵀ, in place; returns its pivot D. Dependent rows before it have pivot 0 and take no part."""
     o = start[i] - first[i]

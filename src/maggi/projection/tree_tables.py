@@ -35,6 +35,8 @@ class Tree(Table):
     node_start (x + k + 1,): where a node's velocities start in ν.
     rows r, springs s as rows behind them: path_start (r + s + 1,), path (p, 3): the nodes that a row acts on, tree bodies
         inwards: node, start of its coefficients in `TreeWork.columns`, the carrying body's place in `path` or −1.
+        column_start (r + s + 1,), column_velocity (c,): where a row's coefficients start in `columns`, and which velocity ν
+        each of them is of.
     end_start (r + s + 1,), end (e, 2): where coefficients on a body start in `LiaisonState.A`, and its place in `path` or
         −1; incidence_start (x + k + 1,), incidence (p, 2): row and start in `columns` of every row on a node.
     skyline_first (r + s,), skyline_start (r + s + 1,): as in `LiaisonTable`.
@@ -61,6 +63,8 @@ class Tree(Table):
     node_start: IntArray
     path_start: IntArray
     path: IntArray
+    column_start: IntArray
+    column_velocity: IntArray
     end_start: IntArray
     end: IntArray
     incidence_start: IntArray

@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.tables import RITZ, BodyTable, MotionState
+from maggi.bodies.tables import MESH, RITZ, BodyTable, MotionState
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
-from maggi.projection.tree_build import RelativeSystem, new_joint_poses, new_tree_work
+from maggi.projection.relative_motion import new_joint_poses, new_tree_work
+from maggi.projection.relative_system import RelativeSystem
 from maggi.system.dense import new_attachments, new_row_values, new_rows, velocity_scale
 from maggi.system.system import System
 
-from .tables import LINKS, Instant, SmallSystem, StepState, StepVectors, StepWork
+from .tables import HIGHEST_ORDER, LINKS, Instant, SmallSystem, StepState, StepVectors, StepWork
 
 Array = NDArray[np.float64]
 
@@ -60,12 +61,11 @@ def new_instant(system: System, least_speed: float, least_acceleration: float) -
 def new_state(system: System, relative: RelativeSystem, instant: Instant) -> StepState:
     """The initial pose, at rest, in the frames of the step, of a run that `instant` shows."""
     m, r, b, x = len(relative.tree.size), len(relative.closures.row), system.bodies.kind.size, len(relative.tree.body)
+    shifted = 0 if (system.bodies.kind == MESH).any() else r
     vectors = StepVectors(
         a=np.zeros(m),
         a_next=np.zeros(m),
-        a_previous=np.zeros(m),
-        a_older=np.zeros(m),
-        a_oldest=np.zeros(m),
+        a_differences=np.zeros((HIGHEST_ORDER, m)),
         nu=np.zeros(m),
         nu_next=np.zeros(m),
         nud=np.zeros(m),
@@ -74,6 +74,12 @@ def new_state(system: System, relative: RelativeSystem, instant: Instant) -> Ste
         multipliers=np.zeros(r),
         multipliers_next=np.zeros(r),
         multipliers_previous=np.zeros(r),
+        pi=np.zeros(shifted),
+        pi_next=np.zeros(shifted),
+        pi_differences=np.zeros((HIGHEST_ORDER, shifted)),
+        kappa=np.zeros(shifted),
+        kappa_next=np.zeros(shifted),
+        kappa_differences=np.zeros((HIGHEST_ORDER, shifted)),
         elastic=np.zeros((b, 2)),
         contraction=np.array([0.1, 100.0]),
     )

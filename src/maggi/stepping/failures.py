@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import attachment_motion, move
+from maggi.bodies.attachment_kernels import attachment_motion, move
 from maggi.bodies.motions import prescribe
 from maggi.bodies.tables import MotionState
 from maggi.liaisons.tables import ROLL, ROW_JOINT, ROW_KIND

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from maggi.bodies.kernels import attachment_motion
+from maggi.bodies.attachment_kernels import attachment_motion
 from maggi.bodies.tables import Array
 from maggi.linalg.links import call3, call5
 from maggi.projection.range_space import transpose_product

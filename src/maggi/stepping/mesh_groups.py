@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.projection.tree_build import RelativeSystem
+from maggi.projection.relative_system import RelativeSystem
 from maggi.system.system import System
 
 from .condensation import Condensations

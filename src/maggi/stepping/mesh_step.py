@@ -89,7 +89,7 @@ class MeshStep:
     # a step
 
     def predict(self, c: GeneralizedAlpha, linear: float) -> None:
-        """Newmark's state with predicted accelerations (the same formulas as `kernels.predict`)."""
+        """Newmark's state with predicted accelerations (the same formulas as `prediction.predict`)."""
         predict_nodal(
             c,
             linear,

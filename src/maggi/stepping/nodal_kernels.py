@@ -28,7 +28,7 @@ def predict_nodal(
     udd_next: Array,
     a_next: Array,
 ) -> None:
-    """The state at the end of the step with predicted accelerations: `kernels.predict` for nodal freedoms."""
+    """The state at the end of the step with predicted accelerations: `prediction.predict` for nodal freedoms."""
     for i in range(u.size):
         b = a[i] + linear * (a[i] - a_previous[i])
         a_next[i] = b

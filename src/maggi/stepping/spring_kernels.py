@@ -13,14 +13,33 @@ import math
 
 from numba import njit
 
-from maggi.bodies.kernels import generalised_force
+from maggi.bodies.attachment_kernels import generalised_force
 from maggi.bodies.tables import Array
+from maggi.forces.kernels import applied_forces
 from maggi.forces.tables import ForceTable
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
+from maggi.linalg.links import Link
 from maggi.projection.closures import add_closure_force, closure_rates
 from maggi.projection.tree_tables import Tree
 
+from .prediction import coefficients
 from .tables import SmallSystem, StepState, StepWork
+
+
+@Link
+def loads(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
+    """Forces of springs, dampers and loads, to `loads`."""
+    applied_forces(
+        small.forces,
+        small.step_bodies,
+        small.closures,
+        state.motion,
+        state.attachments,
+        state.rows,
+        t,
+        work.loads,
+        state.power,
+    )
 
 
 @njit(cache=True, error_model="numpy")
@@ -35,8 +54,6 @@ def spring_constants(forces: ForceTable, tree: Tree, s: int) -> tuple[float, flo
 def joint_stiffness(small: SmallSystem, c: GeneralizedAlpha, out: Array) -> None:
     """k' of springs on single free motions of the tree's joints, out (m,)."""
     tree, data = small.tree, small.forces.torsion_data
-    if tree.on_joint.shape[0] == 0:
-        return
     for i in range(out.shape[0]):
         out[i] = 0.0
     for z in range(tree.on_joint.shape[0]):
@@ -44,9 +61,13 @@ def joint_stiffness(small: SmallSystem, c: GeneralizedAlpha, out: Array) -> None
         out[tree.on_joint[z, 1]] += c.beta * c.h * c.h * data[s, 0] + c.gamma * c.h * data[s, 1]
 
 
-@njit(cache=True, error_model="numpy")
-def spring_coefficients(small: SmallSystem, state: StepState) -> None:
-    """Rows J of springs, then torsion springs, on the bodies: the rates of their lengths or angles are J v."""
+@Link
+def spring_coefficients(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
+    """Rows J of springs, then torsion springs, on the bodies: the rates of their lengths or angles are J v.
+
+    Those on single free motions add to `stiffness`.
+    """
+    joint_stiffness(small, coefficients(work), work.stiffness)
     tree, bodies, motion, attachments = small.tree, small.step_bodies, state.motion, state.attachments
     A, position = state.rows.A, attachments.position
     for s in range(tree.spring.shape[0]):
@@ -80,10 +101,10 @@ def spring_coefficients(small: SmallSystem, state: StepState) -> None:
                 generalised_force(bodies, motion, attachments, a, sign * n0, sign * n1, sign * n2, 0.0, 0.0, 0.0, part)
 
 
-@njit(cache=True, error_model="numpy")
-def add_spring_compliance(small: SmallSystem, c: GeneralizedAlpha, work: StepWork) -> None:
+@Link
+def add_springs(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
     """Add 1/k' to the springs' diagonal of Λ; those with k' = 0 are taken out."""
-    tree, L = small.tree, work.L
+    c, tree, L = coefficients(work), small.tree, work.L
     first, start = tree.skyline_first, tree.skyline_start
     r = work.pi.shape[0]
     for s in range(tree.spring.shape[0]):
@@ -101,19 +122,17 @@ def add_spring_compliance(small: SmallSystem, c: GeneralizedAlpha, work: StepWor
         L[start[q] + q - first[q]] = math.inf  # a pivot of zero: the row is left out
 
 
-@njit(cache=True, error_model="numpy")
-def spring_forces(small: SmallSystem, work: StepWork) -> None:
+@Link
+def spring_forces(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
     """Forces Jᵀ(k J Δq + d J Δv) that shifts of positions and velocities cause, to `force`; on joints to `on_joints`."""
     tree, rates, columns = small.tree, work.rates, work.tree.columns
     r = work.pi.shape[0]
     count = tree.spring.shape[0]
-    if count == 0:
-        return
-    closure_rates(tree, columns, work.shift, rates)
+    closure_rates(tree, columns, work.shift, r, rates)
     for s in range(count):
         k, _ = spring_constants(small.forces, tree, s)
         add_closure_force(tree, columns, r + s, k * rates[r + s], work.force)
-    closure_rates(tree, columns, work.rate_shift, rates)
+    closure_rates(tree, columns, work.rate_shift, r, rates)
     for s in range(count):
         _, d = spring_constants(small.forces, tree, s)
         add_closure_force(tree, columns, r + s, d * rates[r + s], work.force)

@@ -10,23 +10,25 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import mass_matrix
+from maggi.bodies.small_bodies import body_mass
 from maggi.bodies.tables import MESH, RITZ
 from maggi.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha, instantaneous
 from maggi.model.errors import SimulationError
 from maggi.projection.redundancy import least_norm, left_null_space
-from maggi.projection.tree_build import relative_motion, relative_system
+from maggi.projection.relative_motion import relative_motion
+from maggi.projection.relative_system import relative_system
 from maggi.system.dense import dense_rows
 from maggi.system.system import System
 
-from . import ahead, kernels
+from . import ahead, iteration
 from .allocate import elastic_compliances, geometric_metric, new_instant, new_state, new_work, small_system
 from .failures import almost_flat, why_undefined
 from .instant_kernels import show, to_model
 from .linking import link
 from .mesh_groups import mesh_groups
 from .policy import MOST, SolvePolicy
-from .tables import BEST, BOUND, CALM, DISSIPATION, ERROR, ORDER
+from .residuals import local_error, scaled_residuals
+from .tables import BEST, BOUND, CALM, DISSIPATION, ERROR, HIGHEST_ORDER, ORDER
 
 Array = NDArray[np.float64]
 
@@ -85,7 +87,7 @@ class Stepper:
         self.policy = SolvePolicy(exact=exact)
         self.coefficients = instantaneous()
         self.last_iterations = 0
-        self.reason = kernels.CONVERGED  # why the last call of `advance` ended
+        self.reason = iteration.CONVERGED  # why the last call of `advance` ended
         self._rho_inf = rho_inf
         self._tolerance = tolerance
         self._announce = announce
@@ -135,10 +137,10 @@ class Stepper:
             mesh.a_next[:] = mesh.udd
         self.coefficients = c
         vectors.a[:] = vectors.nud
-        self._phase(kernels.PREDICT, c, t)
+        self._phase(iteration.PREDICT, c, t)
         self._converge(c, t, exact=True)
         vectors.a_next[:] = vectors.nud_next
-        self._phase(kernels.ACCEPT, c, t)
+        self._phase(iteration.ACCEPT, c, t)
         for mesh in self.meshes:
             mesh.a_next[:] = mesh.udd_next
             mesh.accept()
@@ -158,7 +160,7 @@ class Stepper:
         Fewer have a `reason`: the iteration of the next did not converge, or, where a `bound` is set, the next would have
         made too large a local error, or they could be longer. The state is that of the last good step.
         """
-        self.reason = kernels.CONVERGED
+        self.reason = iteration.CONVERGED
         if self.meshes:
             threads = numba.get_num_threads()
             if not any(mesh.threaded for mesh in self.meshes):
@@ -169,7 +171,7 @@ class Stepper:
                 numba.set_num_threads(threads)
             self._ended(t, done, steps)
             return done
-        self.reason, done, corrections = self._kernel(kernels.WHOLE_STEPS, self.coefficients, t, steps)
+        self.reason, done, corrections = self._kernel(iteration.WHOLE_STEPS, self.coefficients, t, steps)
         self.counts.steps += done
         self.counts.corrections += corrections
         self.last_iterations = round(corrections / done) if done else corrections
@@ -195,45 +197,45 @@ class Stepper:
 
     def _phase(self, phase: int, c: GeneralizedAlpha, end: float) -> tuple[int, int]:
         """One phase of the small system's step that ends at time `end`; returns (reason, corrections)."""
-        dissipation = math.fsum(mesh.dissipation() for mesh in self.meshes) if phase == kernels.ACCEPT else 0.0
+        dissipation = math.fsum(mesh.dissipation() for mesh in self.meshes) if phase == iteration.ACCEPT else 0.0
         reason, _, corrections = self._kernel(phase, c, end - c.h, 1, dissipation)
         return reason, corrections
 
     def _kernel(
         self, phase: int, c: GeneralizedAlpha, t: float, steps: int, dissipation: float = 0.0
     ) -> tuple[int, int, int]:
-        """The compiled step on this system's tables and state; see `kernels.advance`."""
+        """The compiled step on this system's tables and state; see `iteration.advance`."""
         work = self.work
         work.method[:] = c
-        work.flags[ORDER] = min(self._alike, kernels.HIGHEST_ORDER)
+        work.flags[ORDER] = min(self._alike, HIGHEST_ORDER)
         if self.meshes:  # whose nodal accelerations are predicted by a line
             work.flags[BEST] = 1
         work.numbers[DISSIPATION] = dissipation
-        reason, done, corrections = kernels.advance(self.small, self.trial, work, phase, t, steps, self._tolerance)
+        reason, done, corrections = iteration.advance(self.small, self.trial, work, phase, t, steps, self._tolerance)
         return reason, done, corrections
 
     def _mesh_steps(self, t: float, steps: int) -> int:
         for k in range(steps):
             if not self._mesh_step(t + (k + 1) * self.coefficients.h):
                 return k
-            if self.work.numbers[BOUND] > 0.0 and self.work.flags[CALM] >= kernels.CALM_STEPS:
-                self.reason = kernels.COULD_BE_LONGER
+            if self.work.numbers[BOUND] > 0.0 and self.work.flags[CALM] >= iteration.CALM_STEPS:
+                self.reason = iteration.COULD_BE_LONGER
                 return k + 1
         return steps
 
     def _mesh_step(self, t: float) -> bool:
         c = self.coefficients
-        self._phase(kernels.PREDICT, c, t)
+        self._phase(iteration.PREDICT, c, t)
         for mesh in self.meshes:
             mesh.predict(c, float(self._alike > 0))
         if not self._converge(c, t, exact=self.policy.exact):
-            self.reason = kernels.NOT_CONVERGED
+            self.reason = iteration.NOT_CONVERGED
             return False
         if not self._accurate(c):
-            self.reason = kernels.TOO_LARGE
+            self.reason = iteration.TOO_LARGE
             return False
         self.policy.accepted()
-        self._phase(kernels.ACCEPT, c, t)
+        self._phase(iteration.ACCEPT, c, t)
         for mesh in self.meshes:
             mesh.accept()
         self.counts.steps += 1
@@ -252,8 +254,8 @@ class Stepper:
             return True
         factor = abs(c.beta + 0.5 * (0.5 - c.gamma) - 1.0 / 6.0) * c.h**2 / self.system.size
         of_meshes = factor * max(mesh.jump() for mesh in self.meshes)
-        numbers[ERROR] = max(kernels.local_error(self.small, c, self.trial), of_meshes)
-        flags[CALM] = flags[CALM] + 1 if numbers[ERROR] <= kernels.TWICE * numbers[BOUND] else 0
+        numbers[ERROR] = max(local_error(self.small, c, self.trial), of_meshes)
+        flags[CALM] = flags[CALM] + 1 if numbers[ERROR] <= iteration.TWICE * numbers[BOUND] else 0
         return bool(numbers[ERROR] <= numbers[BOUND])
 
     def _converge(self, c: GeneralizedAlpha, t: float, exact: bool) -> bool:
@@ -269,10 +271,10 @@ class Stepper:
             for mesh in self.meshes:
                 mesh.respond(work.base)
             self.counts.back_substitutions += bool(self.meshes)
-            reason, corrections = self._phase(kernels.ITERATE, c, t)
+            reason, corrections = self._phase(iteration.ITERATE, c, t)
             self.counts.corrections += corrections
             self.last_iterations = corrections
-            if reason != kernels.CONVERGED:
+            if reason != iteration.CONVERGED:
                 return False
             if not self.meshes:
                 return True
@@ -303,7 +305,7 @@ class Stepper:
     def residuals(self) -> Array:
         """Scaled liaison residuals at position, velocity and acceleration level of the last step, (3,)."""
         out = np.zeros(3)
-        kernels.scaled_residuals(self.system.liaisons, self.state.rows, self.state.scales, out)
+        scaled_residuals(self.system.liaisons, self.state.rows, self.state.scales, out)
         return out
 
     def multipliers(self) -> tuple[Array, NDArray[np.bool_]]:
@@ -345,9 +347,7 @@ class Stepper:
     def _has_positive_mass(self, body: int) -> bool:
         bodies, motion = self.small.bodies, self.state.now
         o, e = int(bodies.offset[body]), int(bodies.offset[body + 1])
-        M = np.zeros((e - o, e - o))
-        mass_matrix(bodies, body, motion.e[o + 6 : e], M)
-        return bool(np.linalg.eigvalsh(M)[0] > 0.0)
+        return bool(np.linalg.eigvalsh(body_mass(bodies, body, motion.e[o + 6 : e]))[0] > 0.0)
 
     def has_elastic(self) -> bool:
         """Whether any body has elastic coordinates."""

@@ -13,7 +13,10 @@ from maggi.projection.tree_tables import JointPoses, Tree, TreeWork
 
 # What stands where in SmallSystem.links: the stages of a step, and what only some mechanisms need, 0 where not.
 EVALUATE, REFRESH, CORRECT, ACCEPT_STEP, PREDICT_STEP = 0, 1, 2, 3, 4
-PRESCRIBE, BLOCK_COMPLIANCES, BLOCK_FORCES, BLOCK_POWER, ROWS, LINKS = 5, 6, 7, 8, 9, 10
+PRESCRIBE, BLOCK_COMPLIANCES, BLOCK_FORCES, BLOCK_POWER, ROWS, LOADS = 5, 6, 7, 8, 9, 10
+SPRING_COEFFICIENTS, ADD_SPRINGS, SPRING_FORCES, LINKS = 11, 12, 13, 14
+
+HIGHEST_ORDER = 5  # of the polynomials that a step is predicted by, and so the number of differences kept
 
 # StepWork.flags: whether this is a step's first correction; the highest order that the prediction may have; how many steps in a
 # row could have been twice as long; the order that would have been best for the last step.
@@ -81,17 +84,19 @@ class Instant(Table):
 class StepVectors(Table):
     """Vectors that a step carries. m velocities ν in relative coordinates, r closures.
 
-    a, a_next, a_previous, a_older, a_oldest (m,): algorithmic accelerations. nu, nu_next, nud, nud_next (m,): velocities ν and their
+    a, a_next (m,): algorithmic accelerations. a_differences (k, m): backward differences ∇a, ∇²a … of the steps before, as
+    many as there have been steps of this size. nu, nu_next, nud, nud_next (m,): velocities ν and their
     true rates. increment (m,): Δq of the step. multipliers, multipliers_next, multipliers_previous (r,): λ of closures.
+    pi_next, kappa_next (r,): sums of π, κ over this step's corrections; pi, kappa (r,): over the last's; pi_differences,
+    kappa_differences (k, r): backward differences of those. All empty where there are full meshes, whose shifts are not
+    predicted.
     elastic (b, 2): the largest |e| and |ë| of each body lately. contraction (2,): of the iteration, and the
     number of steps since it was last measured.
     """
 
     a: Array
     a_next: Array
-    a_previous: Array
-    a_older: Array
-    a_oldest: Array
+    a_differences: Array
     nu: Array
     nu_next: Array
     nud: Array
@@ -100,6 +105,12 @@ class StepVectors(Table):
     multipliers: Array
     multipliers_next: Array
     multipliers_previous: Array
+    pi: Array
+    pi_next: Array
+    pi_differences: Array
+    kappa: Array
+    kappa_next: Array
+    kappa_differences: Array
     elastic: Array
     contraction: Array
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.kernels import attachment_motion, mass_matrix
+from maggi.bodies.attachment_kernels import attachment_motion
+from maggi.bodies.small_bodies import body_mass
 from maggi.bodies.tables import FIXED, MESH, AttachmentState, MotionState
 from maggi.liaisons.kernels import evaluate_rows
 from maggi.liaisons.sums import POSE
@@ -100,9 +101,7 @@ def dense_mass(system: System, motion: MotionState) -> Array:
         o, e = int(bodies.offset[b]), int(bodies.offset[b + 1])
         if bodies.kind[b] == MESH:
             e = o + 6
-        block = np.zeros((e - o, e - o))
-        mass_matrix(bodies, b, motion.e[o + 6 : e], block)
-        M[o:e, o:e] = block
+        M[o:e, o:e] = body_mass(bodies, b, motion.e[o + 6 : e])
         M[o + 3 : o + 6, o + 3 : o + 6] += system.inertia_floor[b] * np.eye(3)
     return M
 

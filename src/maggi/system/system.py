@@ -64,7 +64,7 @@ class System:
     """Bodies, liaisons and forces on one vector of velocities (the small coordinates of `BodyTable`).
 
     size: the mechanism's extent (m), the length that position residuals are scaled with.
-    inertia_floor (b,): kg m², see `stepping.kernels.compliances`. start: the motion at the initial pose.
+    inertia_floor (b,): kg m², see `stepping.block_kernels.compliances`. start: the motion at the initial pose.
     mesh_bodies, reduced: by row in the tables; of a reduced body the elastic coordinates are those of its shapes.
     row_functions: Python functions whose addresses the liaison table holds.
     """

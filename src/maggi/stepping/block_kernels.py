@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from maggi.bodies.kernels import add_multiple, frame_mass, inertia_residual, inner, multiply
-from maggi.bodies.motions import prescribe
+from maggi.bodies.motions import move_prescribed
+from maggi.bodies.ritz_kernels import frame_mass, inertia_residual
 from maggi.bodies.tables import MESH, RITZ, Array, BodyTable, MotionState
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.links import Link
-from maggi.linalg.small import invert
+from maggi.linalg.small import add_multiple, inner, invert, multiply
 from maggi.projection.range_space import transpose_product
 
 from .tables import GIVEN_POWER, TAKEN_POWER, SmallSystem, StepState, StepWork
@@ -157,4 +157,4 @@ def block_power(small: SmallSystem, state: StepState, work: StepWork, t: float) 
 @Link
 def prescribe_frames(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
     """Set the frames that move as given."""
-    prescribe(small.motions, small.step_bodies, t, state.motion)
+    move_prescribed(small.motions, small.step_bodies, t, state.motion)

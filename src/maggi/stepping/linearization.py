@@ -1,0 +1,62 @@
+"""Compiled: the matrices of the iteration, as the bodies stand (Eq. T12)."""
+
+from __future__ import annotations
+
+import math
+
+from maggi.linalg.links import Link, call3
+from maggi.projection.closures import closure_compliance, closure_scale
+from maggi.projection.range_space import SUSPECT, factorise, find_singular
+from maggi.projection.tree_kernels import closure_columns, tree_factor
+
+from .prediction import coefficients
+from .tables import (
+    ADD_SPRINGS,
+    BLOCK_COMPLIANCES,
+    SINE,
+    SPRING_COEFFICIENTS,
+    SmallSystem,
+    StepState,
+    StepWork,
+)
+
+
+@Link
+def refresh(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
+    """Ŝ = L D Lᵀ of the tree, compliances of Ritz blocks, Λ and its factor, as the bodies stand.
+
+    To `numbers` the sine of the smallest angle between rows, 1 unless a singular position is close.
+    """
+    c = coefficients(work)
+    work.numbers[SINE] = 1.0
+    tree, bodies, rows = small.tree, small.step_bodies, state.rows
+    first, start = tree.skyline_first, tree.skyline_start
+    if small.links[BLOCK_COMPLIANCES] != 0:
+        call3(small.links[BLOCK_COMPLIANCES], small, state, work, t)
+    if small.links[SPRING_COEFFICIENTS] != 0:
+        call3(small.links[SPRING_COEFFICIENTS], small, state, work, t)
+    tree_factor(tree, c.sigma, False, work.stiffness, work.tree)
+    if first.shape[0] == 0:
+        return
+    closure_columns(tree, rows.A, work.tree)
+    if work.scale.shape[0] > 0 and work.scale[0] == 0.0:
+        closure_scale(tree, bodies, rows.A, c.sigma, False, work.W, work.product, work.scale)
+    closure_compliance(tree, bodies, work.W, work.tree, work.product, work.L)
+    if small.links[ADD_SPRINGS] != 0:
+        call3(small.links[ADD_SPRINGS], small, state, work, t)
+    if factorise(first, start, work.L, work.pivot, work.scale, work.active, True) < SUSPECT:
+        tree_factor(tree, c.sigma, True, work.stiffness, work.tree)
+        closure_columns(tree, rows.A, work.tree)
+        closure_scale(tree, bodies, rows.A, c.sigma, True, work.metric, work.product, work.metric_scale)
+        closure_compliance(tree, bodies, work.metric, work.tree, work.product, work.L)
+        sine = find_singular(first, start, work.L, work.pivot, work.metric_scale, work.active)
+        work.numbers[SINE] = math.sqrt(sine)
+        tree_factor(tree, c.sigma, False, work.stiffness, work.tree)
+        closure_columns(tree, rows.A, work.tree)
+        closure_compliance(tree, bodies, work.W, work.tree, work.product, work.L)
+        if small.links[ADD_SPRINGS] != 0:
+            call3(small.links[ADD_SPRINGS], small, state, work, t)
+        factorise(first, start, work.L, work.pivot, work.scale, work.active, False)
+    else:
+        for i in range(work.active.shape[0]):
+            work.active[i] = 1

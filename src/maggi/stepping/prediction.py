@@ -1,0 +1,108 @@
+"""Compiled: where a step begins, by extrapolation."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from maggi.bodies.tables import Array
+from maggi.integrators.generalized_alpha import GeneralizedAlpha
+from maggi.linalg.links import Link
+from maggi.linalg.rotations import exp_se3_update
+from maggi.projection.closures import add_closure_forces, apply_compliance
+from maggi.projection.tree_kernels import outwards
+
+from .tables import BEST, ORDER, SmallSystem, StepState, StepWork
+
+
+@njit(cache=True, error_model="numpy")
+def coefficients(work: StepWork) -> GeneralizedAlpha:
+    """Those of the present step size."""
+    m = work.method
+    return GeneralizedAlpha(m[0], m[1], m[2], m[3], m[4], m[5])
+
+
+@Link
+def predict(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
+    """Accelerations extrapolated by a polynomial of the order that did best, and the Newmark state that follows.
+
+    So are π and κ: Newmark's polynomials miss the closures by much the same from step to step. What shifts they make is
+    taken from the last step's matrices, so that no part of a shift lives on that closures do not ask for.
+    """
+    c, order = coefficients(work), min(work.flags[ORDER], work.flags[BEST])
+    vectors = state.vectors
+    a, a_next = vectors.a, vectors.a_next
+    nu, nu_next, nud, nud_next = vectors.nu, vectors.nu_next, vectors.nud, vectors.nud_next
+    increment = vectors.increment
+    extrapolate(a, vectors.a_differences, order, a_next)
+    x0, x1 = c.h * (1.0 - c.gamma), c.h * c.gamma
+    y0, y1 = c.h * c.h * (0.5 - c.beta), c.h * c.h * c.beta
+    z0, z1, z2 = (1.0 - c.alpha_m) / (1.0 - c.alpha_f), c.alpha_m / (1.0 - c.alpha_f), c.alpha_f / (1.0 - c.alpha_f)
+    for i in range(a.shape[0]):
+        b = a_next[i]
+        nud_next[i] = z0 * b + z1 * a[i] - z2 * nud[i]
+        nu_next[i] = nu[i] + x0 * a[i] + x1 * b
+        increment[i] = c.h * nu[i] + y0 * a[i] + y1 * b
+    pi, kappa = vectors.pi_next, vectors.kappa_next
+    if order > 0 and pi.shape[0] > 0:  # the first step of a size has none before
+        extrapolate(vectors.pi, vectors.pi_differences, order - 1, pi)
+        extrapolate(vectors.kappa, vectors.kappa_differences, order - 1, kappa)
+        add_shift(small, work, pi, increment)
+        add_shift(small, work, kappa, nu_next)
+    else:
+        for i in range(pi.shape[0]):
+            pi[i] = 0.0
+            kappa[i] = 0.0
+    before, following, last = vectors.multipliers_previous, vectors.multipliers_next, vectors.multipliers
+    for i in range(last.shape[0]):
+        following[i] = last[i] + (last[i] - before[i] if order > 0 else 0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def extrapolate(x: Array, differences: Array, order: int, out: Array) -> None:
+    """The polynomial through the last values, one step further: x + ∇x + … + ∇ᵏx, k the order."""
+    for i in range(x.shape[0]):
+        out[i] = x[i]
+    for k in range(order):
+        for i in range(x.shape[0]):
+            out[i] += differences[k, i]
+
+
+@njit(cache=True, error_model="numpy")
+def add_shift(small: SmallSystem, work: StepWork, pi: Array, out: Array) -> None:
+    """Add W Aᵀπ to out (m,)."""
+    tree, force, shift = small.tree, work.force, work.shift
+    for i in range(force.shape[0]):
+        force[i] = 0.0
+    add_closure_forces(tree, work.tree.columns, pi, 1.0, force)
+    apply_compliance(tree, small.step_bodies, work.W, work.tree, force, shift)
+    outwards(tree, work.tree, shift)
+    for i in range(shift.shape[0]):
+        out[i] += shift[i]
+
+
+@njit(cache=True, error_model="numpy")
+def move_blocks(small: SmallSystem, state: StepState) -> None:
+    """Frames of blocks on SE(3), elastic coordinates additively, and their velocities from ν."""
+    tree, bodies = small.tree, small.step_bodies
+    now, motion, vectors = state.accepted, state.motion, state.vectors
+    increment, nu, nud = vectors.increment, vectors.nu_next, vectors.nud_next
+    count = tree.parent.shape[0]
+    for k in range(tree.block.shape[0]):
+        b = tree.block[k]
+        s, o = tree.node_start[count + k], bodies.offset[b]
+        for i in range(6, bodies.offset[b + 1] - o):
+            motion.e[o + i] = now.e[o + i] + increment[s + i]
+            motion.v[o + i] = nu[s + i]
+            motion.vd[o + i] = nud[s + i]
+        if bodies.floating[b] == 1:
+            for i in range(6):
+                motion.v[o + i] = nu[s + i]
+                motion.vd[o + i] = nud[s + i]
+            exp_se3_update(
+                now.rotation[b],
+                now.origin[b],
+                increment[s : s + 3],
+                increment[s + 3 : s + 6],
+                motion.rotation[b],
+                motion.origin[b],
+            )
