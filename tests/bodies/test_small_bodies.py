@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from motions import Motion, derivative, rigid_body, ritz_body
 
-from maggi.bodies.kernels import deformed_inertia, inertia_residual, mass_matrix, small_body_energy
+from maggi.bodies.ritz_kernels import deformed_inertia, inertia_residual, mass_matrix
+from maggi.bodies.small_bodies import body_mass, body_residual, small_body_energy
 from maggi.elements.moving_frame import FrameMotion, InertiaConstants, frame_resultants, maggi_vector
 from maggi.model.model import Model
 from maggi.system.build import build_system
@@ -83,6 +84,20 @@ def test_mass_matrix_is_the_residuals_part_in_the_accelerations(system, b):
         np.testing.assert_allclose(M[:, i - o], column, atol=1e-12 * np.abs(M).max())
 
 
+@pytest.mark.parametrize("b", [1, 2, 3])
+def test_terms_of_one_body_are_those_of_the_compiled_step(system, b):
+    """Where a body is rigid they are written out once more, without anything to compile."""
+    state = Motion(system, 9).state()
+    elastic = state.e[system.bodies.offset[b] + 6 : system.bodies.offset[b + 1]]
+    force = residual(system, b, state)
+    np.testing.assert_allclose(
+        body_residual(system.bodies, b, state, GRAVITY), force, rtol=0, atol=1e-13 * np.abs(force).max()
+    )
+    M = np.zeros((6 + elastic.size, 6 + elastic.size))
+    mass_matrix(system.bodies, b, elastic, M)
+    np.testing.assert_allclose(body_mass(system.bodies, b, elastic), M, rtol=0, atol=1e-15 * np.abs(M).max())
+
+
 @pytest.mark.parametrize("b", [1, 3])
 def test_deformed_inertia(system, b):
     """First moment and inertia as a rigid turn without deformation sees them: columns of the frame's resultants."""
@@ -103,9 +118,7 @@ def test_power_of_the_residual_is_the_rate_of_the_energy(system):
     motion = Motion(system, 8)
 
     def energy(t):
-        out = np.zeros(4)
-        small_body_energy(system.bodies, motion.state(t), GRAVITY, out)
-        return out
+        return small_body_energy(system.bodies, motion.state(t), GRAVITY)
 
     state = motion.state()
     power = sum(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,6 @@ from maggi.model.simulation import Simulation
 from maggi.projection.redundancy import least_norm, left_null_space
 from maggi.stepping.allocate import geometric_metric, new_instant
 from maggi.stepping.failures import almost_flat, why_raised
-from maggi.stepping.mesh_step import MeshStep
 from maggi.stepping.residuals import scaled_residuals
 from maggi.stepping.stepper import Counts
 from maggi.system.system import System
@@ -23,7 +23,9 @@ from maggi.system.system import System
 from .initial import initial_motion, set_velocities
 from .ode import Ode
 from .ode_solution import Piece, pieces
-from .quasi_static import quasi_static_start
+
+if TYPE_CHECKING:
+    from maggi.stepping.mesh_step import MeshStep
 
 Array = NDArray[np.float64]
 
@@ -88,6 +90,8 @@ class OdeRun:
         announce("finding the initial state")
         motion = initial_motion(system, notes)
         if simulation.start == "quasi-static" and bool((system.bodies.kind == RITZ).any()):
+            from .quasi_static import quasi_static_start
+
             quasi_static_start(system, motion, [], simulation.step)
             set_velocities(system, motion, [])  # what there is to tell was told for the undeformed bodies
         gravity = float(np.linalg.norm(system.forces.gravity))

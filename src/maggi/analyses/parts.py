@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from maggi.bodies.tables import FIXED
 from maggi.liaisons.tables import END_ATTACHMENT
@@ -33,6 +31,9 @@ def unknown_velocities(system: System, *, elastic: bool = True) -> IntArray:
 
 def parts(system: System) -> list[Part]:
     """The parts that liaisons hold together, in the order of their first bodies; rows on prescribed frames alone are in none."""
+    import scipy.sparse as sp  # slow to load, and most runs ask for no parts
+    from scipy.sparse.csgraph import connected_components
+
     table, bodies = system.liaisons, system.bodies
     moving = np.array([_columns(system, b, True).size > 0 for b in range(bodies.kind.size)], dtype=np.bool_)
     of_row = [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 from maggi.bodies.small_bodies import small_body_energy
 from maggi.bodies.tables import MESH, RITZ
 from maggi.liaisons.tables import COORDINATE_KIND, CURVE_FACE, CURVE_POINT, END_ATTACHMENT, TRANSLATION
-from maggi.stepping.mesh_step import MeshStep
 from maggi.stepping.tables import Instant
 from maggi.system.system import LiaisonEntry, System
 
 from .build_outline import build_outline
 from .recorder import BodyLayout, JointLayout, Layout, Row
+
+if TYPE_CHECKING:
+    from maggi.stepping.mesh_step import MeshStep
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -6,12 +6,11 @@ import hashlib
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.mesh_body import MeshBody
 from maggi.model.bodies import ElasticBody
 from maggi.model.errors import ModelError, SimulationError
 from maggi.model.model import Model
@@ -22,9 +21,11 @@ from maggi.system.system import System
 
 from .adaptive import AdaptiveSteps
 from .initial import initial_motion, set_velocities
-from .quasi_static import quasi_static_start
 from .recorder import Progress, Recorder
 from .snapshot import Present, Snapshots, layout
+
+if TYPE_CHECKING:
+    from maggi.bodies.mesh_body import MeshBody
 
 Array = NDArray[np.float64]
 
@@ -150,6 +151,8 @@ def started(
     announce("finding the initial state")
     motion = initial_motion(system, notes)
     if simulation.start == "quasi-static" and stepper.has_elastic():
+        from .quasi_static import quasi_static_start
+
         quasi_static_start(system, motion, stepper.meshes, simulation.step)
         set_velocities(system, motion, [])  # what there is to tell was told for the undeformed bodies
     for target, source in zip(stepper.state.now, motion, strict=True):

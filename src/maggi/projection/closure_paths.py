@@ -21,6 +21,7 @@ from maggi.liaisons.tables import (
     ROW_SECOND,
     LiaisonTable,
 )
+from maggi.linalg.ordering import skyline_order
 from maggi.system.system import System
 
 from .tree_tables import NODE
@@ -61,17 +62,8 @@ def ordered_rows(system: System, rows: list[int], paths: dict[int, list[int]]) -
         for x in sorted({x for row in owners[owner] for x in paths[row]}):
             by_node.setdefault(x, []).append(k)
     pairs = [(a, b) for members in by_node.values() for a, b in pairwise(members)]
-    pairs += [(b, a) for a, b in pairs]
-    if len(names) < 3:  # which order has nothing to gain, nor scipy to be loaded for
-        return [row for name in names for row in owners[name]]
-    import scipy.sparse as sp
-    from scipy.sparse.csgraph import reverse_cuthill_mckee
-
-    graph = sp.coo_matrix(
-        (np.ones(len(pairs)), ([a for a, _ in pairs], [b for _, b in pairs])), shape=(len(names), len(names))
-    )
-    order = reverse_cuthill_mckee(graph.tocsr(), symmetric_mode=True)
-    return [row for k in order for row in owners[names[int(k)]]]
+    order = skyline_order(len(names), pairs)
+    return [row for k in order for row in owners[names[k]]]
 
 
 def restricted(system: System, rows: list[int], ends_of: dict[int, list[int]]) -> tuple[LiaisonTable, int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
@@ -16,7 +17,7 @@ from maggi.integrators.generalized_alpha import GeneralizedAlpha, generalized_al
 from maggi.model.errors import SimulationError
 from maggi.projection.redundancy import least_norm, left_null_space
 from maggi.projection.relative_motion import relative_motion
-from maggi.projection.relative_system import relative_system
+from maggi.projection.relative_system import RelativeSystem, relative_system
 from maggi.system.dense import dense_rows
 from maggi.system.system import System
 
@@ -25,10 +26,12 @@ from .allocate import elastic_compliances, geometric_metric, new_instant, new_st
 from .failures import almost_flat, why_undefined
 from .instant_kernels import show, to_model
 from .linking import link
-from .mesh_groups import mesh_groups
 from .policy import MOST, SolvePolicy
 from .residuals import local_error, scaled_residuals
 from .tables import BEST, BOUND, CALM, DISSIPATION, ERROR, HIGHEST_ORDER, ORDER
+
+if TYPE_CHECKING:
+    from .mesh_groups import MeshGroup
 
 Array = NDArray[np.float64]
 
@@ -81,7 +84,7 @@ class Stepper:
         self.trial = new_state(system, self.relative, self.state)
         self.tried = new_instant(system, least_speed, least_acceleration)
         self.work = new_work(system, self.relative)
-        self.mesh_groups = mesh_groups(system, self.relative)
+        self.mesh_groups = _mesh_groups(system, self.relative)
         self.meshes = sorted((m for group in self.mesh_groups for m in group.meshes), key=lambda mesh: mesh.index)
         self.counts = Counts()
         self.policy = SolvePolicy(exact=exact)
@@ -352,3 +355,12 @@ class Stepper:
     def has_elastic(self) -> bool:
         """Whether any body has elastic coordinates."""
         return bool(np.isin(self.system.bodies.kind, (RITZ, MESH)).any())
+
+
+def _mesh_groups(system: System, relative: RelativeSystem) -> list[MeshGroup]:
+    """`mesh_groups` of a system that has any: others do without what meshes need."""
+    if not system.mesh_bodies:
+        return []
+    from .mesh_groups import mesh_groups
+
+    return mesh_groups(system, relative)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.mesh_body import MeshBody
-from maggi.bodies.reduced import ReducedBody
 from maggi.bodies.tables import FIXED, MESH, RIGID, RITZ, BodyTable, MotionState
-from maggi.elements.ritz import ritz_terms
 from maggi.linalg.rotations import rotation_matrix
 from maggi.model.bodies import GivenMotion, RigidBody, RitzBody, RitzTerms
 from maggi.model.errors import ModelError
@@ -19,6 +17,10 @@ from maggi.model.geometry import Pose
 from maggi.model.shapes import RitzIntegrals
 
 from .packing import flat, integers, numbers
+
+if TYPE_CHECKING:
+    from maggi.bodies.mesh_body import MeshBody
+    from maggi.bodies.reduced import ReducedBody
 
 Array = NDArray[np.float64]
 NULL_INERTIA = 1e-9  # a moment of inertia below this part of m·size² counts as none
@@ -220,6 +222,8 @@ def initial_pose(pose: Pose, motion: GivenMotion | None) -> tuple[Array, Array]:
 
 
 def _integrate(body: RitzBody, integrals: RitzIntegrals, path: str) -> RitzTerms:
+    from maggi.elements.ritz import ritz_terms  # the only kind of body that asks for it
+
     try:
         return ritz_terms(body.shapes, integrals)
     except ModelError as error:

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.complete import complete
-from maggi.bodies.craig_bampton import craig_bampton
-from maggi.bodies.mesh_body import MeshBody, build_mesh_body
 from maggi.bodies.motions import MotionTable
-from maggi.bodies.reduced import ReducedBody, reduce_body
 from maggi.forces.tables import ForceTable
 from maggi.liaisons.registry import JOINTS
 from maggi.liaisons.special import link_special
@@ -30,6 +27,10 @@ from .liaison_list import LiaisonList
 from .packing import FunctionList, integers, numbers
 from .places import Places
 from .system import AttachmentEntry, BodyEntry, System
+
+if TYPE_CHECKING:
+    from maggi.bodies.mesh_body import MeshBody
+    from maggi.bodies.reduced import ReducedBody
 
 Array = NDArray[np.float64]
 Announce = Callable[[str], None]
@@ -152,6 +153,8 @@ class _Builder:
     def _add_elastic(self, name: str, body: ElasticBody) -> None:
         mesh = self._meshes.get(name)
         if mesh is None:
+            from maggi.bodies.mesh_body import build_mesh_body  # with all that meshes need: not for rigid models
+
             self._announce(f"assembling {name}")
             mesh = self._meshes[name] = build_mesh_body(name, body, self._model.folder, self._meshes.values())
         motion = body.motion
@@ -203,6 +206,10 @@ class _Builder:
         """The body on its shapes; None where it is rigid or its full mesh moves."""
         if name in self._rigid or (body.reduction is None and not self._dense):
             return None
+        from maggi.bodies.complete import complete
+        from maggi.bodies.craig_bampton import craig_bampton
+        from maggi.bodies.reduced import reduce_body
+
         self._announce(f"reducing {name} ({mesh.size:,} freedoms)")
         if body.reduction is None:
             return reduce_body(mesh, complete(mesh, f"bodies.{name}"))

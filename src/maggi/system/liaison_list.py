@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from maggi.liaisons.callbacks import RowFunction
 from maggi.liaisons.tables import ROTATION, ROTATION_SECOND, TRANSLATION, LiaisonTable
+from maggi.linalg.ordering import skyline_order
 from maggi.model.errors import ModelError
 from maggi.model.functions import Formula, TimeFunction
 
@@ -228,10 +227,7 @@ class LiaisonList:
             for body in sorted({body for row in rows for body in self._moving(row)}):
                 by_body.setdefault(body, []).append(owner)
         pairs = [(a, b) for members in by_body.values() for a in members for b in members]
-        graph = sp.coo_matrix(
-            (np.ones(len(pairs)), ([a for a, _ in pairs], [b for _, b in pairs])), shape=(count, count)
-        )
-        return [int(i) for i in reverse_cuthill_mckee(graph.tocsr(), symmetric_mode=True)]
+        return skyline_order(count, pairs)
 
 
 def _starts(counts: Sequence[int]) -> IntArray:

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.mesh_body import MeshBody
 from maggi.bodies.motions import MotionTable
-from maggi.bodies.reduced import ReducedBody
 from maggi.bodies.tables import BodyTable, MotionState
 from maggi.forces.tables import ForceTable
 from maggi.liaisons.callbacks import RowFunction
 from maggi.liaisons.tables import ROW_HOLONOMIC, ROW_OWNER, LiaisonTable
 from maggi.model.model import Model
+
+if TYPE_CHECKING:
+    from maggi.bodies.mesh_body import MeshBody
+    from maggi.bodies.reduced import ReducedBody
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
