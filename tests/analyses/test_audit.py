@@ -149,7 +149,7 @@ def test_reduced_body_without_modes():
 
 def test_a_scene_needs_no_reduction(monkeypatch):
     """Undeformed bodies look the same, so that nothing is factorised for a drawing."""
-    monkeypatch.delattr("maggi.system.build.craig_bampton")
+    monkeypatch.delattr("maggi.bodies.craig_bampton.craig_bampton")
     scene = build_scene(read_text(elastic(reduction="{method: craig-bampton, modes: 5}"))[0])
     assert scene.bodies[0].nodes is not None and len(scene.bodies[0].nodes) == 12
 

@@ -7,8 +7,7 @@ import scipy.sparse as sp
 import skfem
 from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
-from maggi.elements.assembly import assemble_solids, element_masses, element_stiffnesses
-from maggi.elements.cell_kernels import CHUNK
+from maggi.elements.assembly import CHUNK, assemble_solids, element_masses, element_stiffnesses
 from maggi.elements.materials import CellMaterials
 from maggi.elements.solids import SOLIDS
 from maggi.mesh import parametric

@@ -170,7 +170,9 @@ def _reduced(indptr, indices, data, node_block, number, attachment, arm, size, f
                 turned[k, 5] = y * arm_m[0] - x * arm_m[1]
             if i >= 0:
                 touched[i, b] = True
-                side[i, b] += turned
+                for k in range(3):
+                    for j in range(6):
+                        side[i, b, k, j] += turned[k, j]
             else:
                 a, arm_n = attachment[number[n]], arm[number[n]]
                 coupled[a, b] = True
@@ -205,19 +207,23 @@ def _reduced(indptr, indices, data, node_block, number, attachment, arm, size, f
         for p in range(indptr[n], indptr[n + 1]):
             if node_block[indices[p]] >= 0:
                 columns[filled[i]] = node_block[indices[p]]
-                blocks[filled[i]] = data[p]
+                for k in range(3):
+                    for j in range(3):
+                        blocks[filled[i], k, j] = data[p, k, j]
                 filled[i] += 1
         for a in range(count):
             if not touched[i, a]:
                 continue
             for part in range(2):
                 row = free + 2 * a + part
-                block = side[i, a, :, 3 * part : 3 * part + 3]
                 columns[filled[i]] = row
-                blocks[filled[i]] = block
-                filled[i] += 1
                 columns[filled[row]] = i
-                blocks[filled[row]] = block.T
+                for k in range(3):
+                    for j in range(3):
+                        value = side[i, a, k, 3 * part + j]
+                        blocks[filled[i], k, j] = value
+                        blocks[filled[row], j, k] = value
+                filled[i] += 1
                 filled[row] += 1
     for a in range(count):
         for b in range(count):

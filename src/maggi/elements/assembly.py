@@ -6,14 +6,14 @@ element entries into the rows of their nodes is that product carried out.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from maggi.linalg.threads import in_parts
 from maggi.model.errors import MeshError
 from maggi.model.materials import Material
 
@@ -25,6 +25,9 @@ from .solids import SOLIDS, SolidElement
 Array = NDArray[np.float64]
 Cells = Mapping[str, NDArray[np.int64]]
 Materials = Material | Mapping[str, CellMaterials]
+
+# Numbers in the element matrices of a chunk (16 MB): few chunks, since each waits for its threads twice.
+CHUNK = 2**21
 
 # A determinant below this share of the cell's extent cubed is a flat cell up to round-off.
 FLAT = 1e-13
@@ -60,75 +63,68 @@ def assemble_solids(nodes: Array, cells: Cells, materials: Materials, labels: La
     nodes = _checked_nodes(nodes)
     constants = _checked_cells(nodes, cells, materials, labels)
     graph = node_graph(len(nodes), cells)
-    parts = numba.get_num_threads()
-    mass = np.zeros(graph.indices.size)
-    stiffness = np.zeros((graph.indices.size, 3, 3))
+    mass = np.zeros((graph.indices.size, 1))
+    stiffness = np.zeros((graph.indices.size, 9))
     for name, connectivity in graph.cells.items():
         element, law, slots = SOLIDS[name], constants[name], graph.slots[name]
         least = np.empty(len(connectivity))
-        cell_kernels.add_masses(
-            nodes,
-            connectivity,
-            np.ascontiguousarray(law.density),
-            element.mass_gradients,
-            element.mass_products,
-            slots,
-            parts,
-            mass,
-            least,
-        )
+        constant = np.ascontiguousarray(law.density), element.mass_gradients, element.mass_products
+        _sum(cell_kernels.masses, nodes, connectivity, constant, slots, mass, least)
         _refuse_inverted(nodes, element, connectivity, least, labels)
-        cell_kernels.add_stiffnesses(
-            nodes,
-            connectivity,
-            law.lame,
-            law.shear,
-            element.stiffness_gradients,
-            element.stiffness_rule.weights,
-            slots,
-            parts,
-            stiffness,
-            least,
-        )
+        elastic = law.lame, law.shear, element.stiffness_gradients, element.stiffness_rule.weights
+        _sum(cell_kernels.stiffnesses, nodes, connectivity, elastic, slots, stiffness, least)
         _refuse_inverted(nodes, element, connectivity, least, labels)
     size = graph.node_count
     return SolidMatrices(
         graph,
-        sp.csr_matrix((mass, graph.indices, graph.indptr), shape=(size, size)),
-        sp.bsr_matrix((stiffness, graph.indices, graph.indptr), shape=(3 * size, 3 * size)),
+        sp.csr_matrix((mass.ravel(), graph.indices, graph.indptr), shape=(size, size)),
+        sp.bsr_matrix((stiffness.reshape(-1, 3, 3), graph.indices, graph.indptr), shape=(3 * size, 3 * size)),
     )
+
+
+def _sum(
+    kernel: Callable[..., None],
+    nodes: Array,
+    cells: NDArray[np.int32],
+    constants: tuple[Array, ...],
+    slots: NDArray[np.int32],
+    out: Array,
+    least: Array,
+) -> None:
+    """Add the matrices that a kernel makes of all cells to out (nnz, w), chunk by chunk."""
+    count, width = cells.shape
+    chunk = CHUNK // (out.shape[1] * width**2)
+    buffer = np.empty((min(chunk, count), width, width, out.shape[1]))
+    for base in range(0, count, chunk):
+        top = min(base + chunk, count)
+        in_parts(kernel, nodes, cells, *constants, base, top, buffer, least)
+        in_parts(cell_kernels.add_cells, base, top, cells, slots, buffer, out)
 
 
 def element_masses(name: str, nodes: Array, cells: NDArray[np.int64], density: Array) -> Array:
     """Scalar mass of every cell of one type, (c, k, k), kg."""
     element, connectivity = SOLIDS[name], np.ascontiguousarray(cells, dtype=np.int32)
-    out = np.empty((*connectivity.shape, element.node_count))
-    least = np.empty(len(connectivity))
+    count, k = connectivity.shape
+    out = np.empty((count, k, k, 1))
+    least = np.empty(count)
     nodes = _checked_nodes(nodes)
-    cell_kernels.cell_masses(nodes, connectivity, density, element.mass_gradients, element.mass_products, out, least)
+    constant = density, element.mass_gradients, element.mass_products
+    in_parts(cell_kernels.masses, nodes, connectivity, *constant, 0, count, out, least)
     _refuse_inverted(nodes, element, connectivity, least, None)
-    return out
+    return out[..., 0]
 
 
 def element_stiffnesses(name: str, nodes: Array, cells: NDArray[np.int64], law: CellMaterials) -> Array:
     """Stiffness of every cell of one type, (c, 3k, 3k), N/m, node by node."""
     element, connectivity = SOLIDS[name], np.ascontiguousarray(cells, dtype=np.int32)
-    k = element.node_count
-    out = np.empty((len(connectivity), k, k, 3, 3))
-    least = np.empty(len(connectivity))
+    count, k = connectivity.shape
+    out = np.empty((count, k, k, 9))
+    least = np.empty(count)
     nodes = _checked_nodes(nodes)
-    cell_kernels.cell_stiffnesses(
-        nodes,
-        connectivity,
-        law.lame,
-        law.shear,
-        element.stiffness_gradients,
-        element.stiffness_rule.weights,
-        out,
-        least,
-    )
+    constant = law.lame, law.shear, element.stiffness_gradients, element.stiffness_rule.weights
+    in_parts(cell_kernels.stiffnesses, nodes, connectivity, *constant, 0, count, out, least)
     _refuse_inverted(nodes, element, connectivity, least, None)
-    return out.transpose(0, 1, 3, 2, 4).reshape(len(connectivity), 3 * k, 3 * k)
+    return out.reshape(count, k, k, 3, 3).transpose(0, 1, 3, 2, 4).reshape(count, 3 * k, 3 * k)
 
 
 def _checked_nodes(nodes: Array) -> Array:

@@ -2,6 +2,7 @@
 
 Cells are taken in chunks. In a chunk, threads first share the cells (element matrices), then the rows of the sum: a row
 has one owner and receives its cells in their order, so that the result is bitwise the same for any number of threads.
+See `linalg.threads`.
 """
 
 from __future__ import annotations
@@ -12,10 +13,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int32]
-
-# Numbers in the element matrices of a chunk (16 MB). Few chunks, because each costs two barriers of the threads, and at
-# a barrier a busy machine lets them wait.
-CHUNK = 2**21
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -35,24 +32,25 @@ def _jacobian(nodes: Array, cell: IntArray, gradients: Array, J: Array) -> float
     return det
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _masses(
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def masses(
+    part: int,
+    parts: int,
     nodes: Array,
     cells: IntArray,
     density: Array,
     gradients: Array,
     products: Array,
-    low: int,
-    high: int,
     base: int,
+    top: int,
     out: Array,
     smallest: Array,
 ) -> None:
-    """Scalar masses of cells low…high-1 into out[c - base] (k, k); `smallest` keeps their least determinant."""
+    """Scalar masses of a part of the cells base…top-1 into out[c - base] (k, k, 1); `smallest` keeps their least determinant."""
     width = cells.shape[1]
     J = np.empty((3, 3))
     upper = np.empty(products.shape[1])
-    for c in range(low, high):
+    for c in range(base + (top - base) * part // parts, base + (top - base) * (part + 1) // parts):
         upper[:] = 0.0
         least = np.inf
         for q in range(gradients.shape[0]):
@@ -65,26 +63,27 @@ def _masses(
         for a in range(width):
             for b in range(a, width):
                 value = density[c] * upper[p]
-                out[c - base, a, b] = value
-                out[c - base, b, a] = value
+                out[c - base, a, b, 0] = value
+                out[c - base, b, a, 0] = value
                 p += 1
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _stiffnesses(
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def stiffnesses(
+    part: int,
+    parts: int,
     nodes: Array,
     cells: IntArray,
     lame: Array,
     shear: Array,
     gradients: Array,
     weights: Array,
-    low: int,
-    high: int,
     base: int,
+    top: int,
     out: Array,
     smallest: Array,
 ) -> None:
-    """Stiffness of cells low…high-1 into out[c - base] (k, k, 3, 3); `smallest` keeps their least determinant.
+    """Stiffness of a part of the cells base…top-1 into out[c - base] (k, k, 9); `smallest` keeps their least determinant.
 
     For an isotropic law the block (a, b) needs only ``T = ∫ ∇N_a ∇N_bᵀ dV``: ``K_ab = λT + G(Tᵀ + tr T I)``.
     """
@@ -96,7 +95,7 @@ def _stiffnesses(
     spatial = np.empty((points, size))
     volume = np.empty(points)
     T = np.empty((size, size))
-    for c in range(low, high):
+    for c in range(base + (top - base) * part // parts, base + (top - base) * (part + 1) // parts):
         least = np.inf
         for q in range(points):
             det = _jacobian(nodes, cells[c], gradients[q], J)
@@ -129,91 +128,19 @@ def _stiffnesses(
                 for i in range(3):
                     for j in range(3):
                         value = lame[c] * T[3 * a + i, 3 * b + j] + shear[c] * T[3 * a + j, 3 * b + i]
-                        out[c - base, a, b, i, j] = value + trace if i == j else value
+                        out[c - base, a, b, 3 * i + j] = value + trace if i == j else value
 
 
-@numba.njit(cache=True, parallel=True)
-def add_masses(
-    nodes: Array,
-    cells: IntArray,
-    density: Array,
-    gradients: Array,
-    products: Array,
-    slots: IntArray,
-    parts: int,
-    data: Array,
-    smallest: Array,
+@numba.njit(cache=True, nogil=True)
+def add_cells(
+    part: int, parts: int, base: int, top: int, cells: IntArray, slots: IntArray, matrices: Array, data: Array
 ) -> None:
-    """Add the scalar masses of all cells of one type to data (nnz,)."""
-    count, width = cells.shape
-    chunk = CHUNK // width**2
-    buffer = np.empty((min(chunk, count), width, width))
-    for base in range(0, count, chunk):
-        top = min(base + chunk, count)
-        for part in numba.prange(parts):
-            low = base + (top - base) * part // parts
-            high = base + (top - base) * (part + 1) // parts
-            _masses(nodes, cells, density, gradients, products, low, high, base, buffer, smallest)
-        for part in numba.prange(parts):
-            for c in range(base, top):
-                for a in range(width):
-                    if cells[c, a] % parts == part:
-                        for b in range(width):
-                            data[slots[c, a, b]] += buffer[c - base, a, b]
-
-
-@numba.njit(cache=True, parallel=True)
-def add_stiffnesses(
-    nodes: Array,
-    cells: IntArray,
-    lame: Array,
-    shear: Array,
-    gradients: Array,
-    weights: Array,
-    slots: IntArray,
-    parts: int,
-    data: Array,
-    smallest: Array,
-) -> None:
-    """Add the stiffness blocks of all cells of one type to data (nnz, 3, 3)."""
-    count, width = cells.shape
-    chunk = CHUNK // (9 * width**2)
-    buffer = np.empty((min(chunk, count), width, width, 3, 3))
-    for base in range(0, count, chunk):
-        top = min(base + chunk, count)
-        for part in numba.prange(parts):
-            low = base + (top - base) * part // parts
-            high = base + (top - base) * (part + 1) // parts
-            _stiffnesses(nodes, cells, lame, shear, gradients, weights, low, high, base, buffer, smallest)
-        for part in numba.prange(parts):
-            for c in range(base, top):
-                for a in range(width):
-                    if cells[c, a] % parts == part:
-                        for b in range(width):
-                            slot = slots[c, a, b]
-                            for i in range(3):
-                                for j in range(3):
-                                    data[slot, i, j] += buffer[c - base, a, b, i, j]
-
-
-@numba.njit(cache=True)
-def cell_masses(
-    nodes: Array, cells: IntArray, density: Array, gradients: Array, products: Array, out: Array, smallest: Array
-) -> None:
-    """Scalar mass of every cell, out (c, k, k)."""
-    _masses(nodes, cells, density, gradients, products, 0, len(cells), 0, out, smallest)
-
-
-@numba.njit(cache=True)
-def cell_stiffnesses(
-    nodes: Array,
-    cells: IntArray,
-    lame: Array,
-    shear: Array,
-    gradients: Array,
-    weights: Array,
-    out: Array,
-    smallest: Array,
-) -> None:
-    """Stiffness of every cell, out (c, k, k, 3, 3)."""
-    _stiffnesses(nodes, cells, lame, shear, gradients, weights, 0, len(cells), 0, out, smallest)
+    """Add the matrices (…, k, k, w) of cells base…top-1 to data (nnz, w): a part of its rows."""
+    width = cells.shape[1]
+    for c in range(base, top):
+        for a in range(width):
+            if cells[c, a] % parts == part:
+                for b in range(width):
+                    slot = slots[c, a, b]
+                    for i in range(data.shape[1]):
+                        data[slot, i] += matrices[c - base, a, b, i]

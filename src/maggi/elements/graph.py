@@ -9,6 +9,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from maggi.linalg.threads import in_parts
 from maggi.model.errors import MeshError
 
 IntArray = NDArray[np.int32]
@@ -50,61 +51,68 @@ def node_graph(node_count: int, cells: Mapping[str, NDArray[np.int64]]) -> NodeG
     members = np.concatenate([c.ravel() for c in small.values()]) if small else np.empty(0, np.int32)
     widths = [np.full(len(c), c.shape[1], dtype=np.int32) for c in small.values()]
     starts = np.concatenate([[0], np.cumsum(np.concatenate(widths) if widths else [])]).astype(np.int32)
-    indptr, indices = _pattern(node_count, starts, members, numba.get_num_threads())
-    slots = {name: _slots(c, indptr, indices) for name, c in small.items()}
+    indptr, indices = _pattern(node_count, starts, members)
+    slots = {name: np.empty((*c.shape, c.shape[1]), np.int32) for name, c in small.items()}
+    for name, c in small.items():
+        in_parts(_find_slots, c, indptr, indices, slots[name])
     return NodeGraph(node_count, indptr, indices, small, slots)
 
 
-@numba.njit(cache=True, parallel=True)
-def _pattern(node_count: int, starts: IntArray, members: IntArray, parts: int) -> tuple[IntArray, IntArray]:
-    """CSR pattern of the node graph; each part owns a range of rows, so the result does not depend on `parts`."""
-    first = np.zeros(node_count + 1, np.int32)
-    for i in range(members.size):
-        first[members[i] + 1] += 1
-    for n in range(node_count):
-        first[n + 1] += first[n]
-    cell_of = np.empty(members.size, np.int32)
-    filled = first[:-1].copy()
-    for c in range(starts.size - 1):
-        for i in range(starts[c], starts[c + 1]):
-            cell_of[filled[members[i]]] = c
-            filled[members[i]] += 1
-
-    indptr = np.zeros(node_count + 1, np.int32)
-    for part in numba.prange(parts):
-        marker = np.full(node_count, -1, np.int32)
-        for n in range(node_count * part // parts, node_count * (part + 1) // parts):
-            count = 0
-            for j in range(first[n], first[n + 1]):
-                for i in range(starts[cell_of[j]], starts[cell_of[j] + 1]):
-                    if marker[members[i]] != n:
-                        marker[members[i]] = n
-                        count += 1
-            indptr[n + 1] = count
-    for n in range(node_count):
-        indptr[n + 1] += indptr[n]
-
-    indices = np.empty(indptr[node_count], np.int32)
-    for part in numba.prange(parts):
-        marker = np.full(node_count, -1, np.int32)
-        for n in range(node_count * part // parts, node_count * (part + 1) // parts):
-            end = indptr[n]
-            for j in range(first[n], first[n + 1]):
-                for i in range(starts[cell_of[j]], starts[cell_of[j] + 1]):
-                    if marker[members[i]] != n:
-                        marker[members[i]] = n
-                        indices[end] = members[i]
-                        end += 1
-            indices[indptr[n] : end].sort()
+def _pattern(node_count: int, starts: IntArray, members: IntArray) -> tuple[IntArray, IntArray]:
+    """CSR pattern of the node graph; cells are runs of `members`, from starts[c] to starts[c + 1]."""
+    first = np.concatenate([[0], np.cumsum(np.bincount(members, minlength=node_count))]).astype(np.int32)
+    cells = np.repeat(np.arange(starts.size - 1, dtype=np.int32), np.diff(starts))
+    cell_of = cells[np.argsort(members, kind="stable")]
+    indptr, none = np.zeros(node_count + 1, np.int32), np.empty(0, np.int32)
+    in_parts(_find_neighbours, first, cell_of, starts, members, indptr, none)
+    indptr = np.cumsum(indptr, dtype=np.int32)
+    indices = np.empty(indptr[-1], np.int32)
+    in_parts(_find_neighbours, first, cell_of, starts, members, indptr, indices)
     return indptr, indices
 
 
-@numba.njit(cache=True, parallel=True)
-def _slots(cells: IntArray, indptr: IntArray, indices: IntArray) -> IntArray:
+@numba.njit(cache=True, nogil=True)
+def _find_neighbours(
+    part: int,
+    parts: int,
+    first: IntArray,
+    cell_of: IntArray,
+    starts: IntArray,
+    members: IntArray,
+    indptr: IntArray,
+    indices: IntArray,
+) -> None:
+    """Where `indices` is empty, the number of neighbours of node n to indptr[n + 1]; else they themselves, in order.
+
+    Cells of node n: cell_of[first[n]] … cell_of[first[n + 1] − 1].
+    """
+    node_count = first.size - 1
+    counting = indices.size == 0
+    marker = np.full(node_count, -1, np.int32)
+    for n in range(node_count * part // parts, node_count * (part + 1) // parts):
+        count = 0
+        for j in range(first[n], first[n + 1]):
+            for i in range(starts[cell_of[j]], starts[cell_of[j] + 1]):
+                m = members[i]
+                if marker[m] == n:
+                    continue
+                marker[m] = n
+                if not counting:
+                    place = indptr[n] + count
+                    while place > indptr[n] and indices[place - 1] > m:
+                        indices[place] = indices[place - 1]
+                        place -= 1
+                    indices[place] = m
+                count += 1
+        if counting:
+            indptr[n + 1] = count
+
+
+@numba.njit(cache=True, nogil=True)
+def _find_slots(part: int, parts: int, cells: IntArray, indptr: IntArray, indices: IntArray, slots: IntArray) -> None:
     """Place of every cell entry (a, b) in the pattern, by bisection in the sorted rows."""
     count, width = cells.shape
-    slots = np.empty((count, width, width), np.int32)
-    for c in numba.prange(count):
+    for c in range(count * part // parts, count * (part + 1) // parts):
         for a in range(width):
             for b in range(width):
                 column = cells[c, b]
@@ -116,4 +124,3 @@ def _slots(cells: IntArray, indptr: IntArray, indices: IntArray) -> IntArray:
                     else:
                         high = middle
                 slots[c, a, b] = low
-    return slots

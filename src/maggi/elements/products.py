@@ -184,7 +184,9 @@ def _upper_triangle(indptr: IntArray, indices: IntArray, blocks: Array) -> tuple
         shift = indptr[i + 1] - first[i + 1]
         for p in range(first[i], first[i + 1]):
             chosen[p] = indices[p + shift]
-            values[p] = blocks[p + shift]
+            for j in range(3):
+                for k in range(3):
+                    values[p, j, k] = blocks[p + shift, j, k]
     return first, chosen, values
 
 

@@ -141,18 +141,19 @@ def evaluate_rows(
     joint_coordinates(table, attachments, out)
     if table.special[SPECIAL_COORDINATES] != 0:
         call3(table.special[SPECIAL_COORDINATES], table, attachments, out, t)
-    i = 0
-    while i < table.row.shape[0]:
+    done = 0  # rows of one joint are evaluated together
+    for i in range(table.row.shape[0]):
+        if i < done:
+            continue
         kind = table.row[i, ROW_KIND]
         if kind == OFFSET:
-            i = offset_rows(table, attachments, i, out)
+            done = offset_rows(table, attachments, i, out)
             continue
         out.rhs[i] = 0.0
         if kind == PRODUCT or kind == TWIST:
             turn_row(table, attachments, i, out)
         elif kind == RELATION or kind == RATE_RELATION:
             relation_row(table, i, t, out)
-        i += 1
     if table.special[SPECIAL_ROWS] != 0:
         call3(table.special[SPECIAL_ROWS], table, attachments, out, t)
     on_bodies(table, bodies, state, attachments, out)

@@ -15,6 +15,7 @@ from numba import njit, types
 from numba.core.dispatcher import Dispatcher
 from numba.extending import intrinsic
 
+from . import compiling as compiling  # for its effect
 from .table import Table, TableType
 
 POINTER = ir.IntType(8).as_pointer()

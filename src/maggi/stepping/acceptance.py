@@ -16,6 +16,7 @@ from .tables import (
     BLOCK_POWER,
     DISSIPATION,
     GIVEN_POWER,
+    HIGHEST_ORDER,
     ORDER,
     TAKEN_POWER,
     SmallSystem,
@@ -24,13 +25,17 @@ from .tables import (
     StepWork,
 )
 
+FADING = 0.6  # a step, of what predictions were off by
+
 
 @njit(cache=True, error_model="numpy")
-def best_order(small: SmallSystem, order: int, vectors: StepVectors) -> int:
-    """The order, up to that available, by which this step's accelerations would have been predicted best.
+def best_order(small: SmallSystem, order: int, vectors: StepVectors, misses: Array) -> int:
+    """The order, up to that available, by which the accelerations of the last steps would have been predicted best.
 
     Smooth motion asks for the highest. Where a step does not resolve an oscillation, accelerations change sign from step to
-    step, and every order more would double what a prediction is off by.
+    step, and every order more would double what a prediction is off by. A single step is not enough to tell, since any
+    difference may happen to pass through zero: `misses` fade over some steps, and a new order starts with those of the
+    one below.
     """
     a, a_next, differences, size = vectors.a, vectors.a_next, vectors.a_differences, small.tree.size
     e0 = e1 = e2 = e3 = e4 = e5 = 0.0
@@ -49,9 +54,15 @@ def best_order(small: SmallSystem, order: int, vectors: StepVectors) -> int:
         e3 += d3 * d3
         e4 += d4 * d4
         e5 += d5 * d5
-    misses = (e0, e1, e2, e3, e4, e5)
+    now = (e0, e1, e2, e3, e4, e5)
     best = 0
-    for k in range(1, order + 1):
+    if order == 0:
+        for k in range(misses.shape[0]):
+            misses[k] = 0.0
+    for k in range(order + 1):
+        if k > 0 and k == order and (k < HIGHEST_ORDER or misses[k] == 0.0):
+            misses[k] = misses[k - 1]
+        misses[k] = FADING * misses[k] + now[k]
         if misses[k] < misses[best]:
             best = k
     # one more than could be tried for as long as the steps before are few
@@ -85,7 +96,7 @@ def accept(small: SmallSystem, state: StepState, work: StepWork, t: float) -> No
             now.origin[b, i] = motion.origin[b, i]
             for j in range(3):
                 now.rotation[b, i, j] = motion.rotation[b, i, j]
-    work.flags[BEST] = best_order(small, work.flags[ORDER], vectors)
+    work.flags[BEST] = best_order(small, work.flags[ORDER], vectors, work.misses)
     renew(vectors.a_next, vectors.a, vectors.a_differences)
     renew(vectors.pi_next, vectors.pi, vectors.pi_differences)
     renew(vectors.kappa_next, vectors.kappa, vectors.kappa_differences)

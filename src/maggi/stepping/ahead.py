@@ -43,14 +43,20 @@ def finish(announce: Callable[[str], None]) -> None:
 
 
 def compile_step() -> None:
-    """Compile the step's kernel as `Stepper` calls it, without a step being made, and leave a marker."""
+    """Compile the step's kernel as `Stepper` calls it, without a step being made, and leave a marker.
+
+    First the liaisons' rows, by which the first process looks for the initial state once its meshes are assembled.
+    """
     from maggi.model.bodies import RigidBody
     from maggi.model.model import Model
     from maggi.system.build import build_system
+    from maggi.system.dense import dense_rows
 
     from .stepper import Stepper
 
-    stepper = Stepper(build_system(Model(bodies={"body": RigidBody(1.0)})), 0.9, 1e-8, 1.0, 1.0)
+    system = build_system(Model(bodies={"body": RigidBody(1.0)}))
+    dense_rows(system, system.start, 0.0)
+    stepper = Stepper(system, 0.9, 1e-8, 1.0, 1.0)
     stepper.link()
     stepper.advance(0.0, 0)
     folder = Path(os.environ["NUMBA_CACHE_DIR"])

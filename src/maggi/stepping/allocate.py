@@ -164,4 +164,5 @@ def new_work(system: System, relative: RelativeSystem) -> StepWork:
         method=np.zeros(6),
         flags=np.zeros(4, dtype=np.int64),
         numbers=np.zeros(6),
+        misses=np.zeros(HIGHEST_ORDER + 1),
     )

@@ -147,7 +147,7 @@ class StepWork(Table):
     mesh bodies' increments already contain. position_force, velocity_force (m,): accumulated Aᵀπ, Aᵀκ.
     given (n,): forces Aᵀλ − Q on bodies; loads (n,): Q. stiffness, on_joints (m,): of springs on single free motions, and
     their forces. The rest are vectors of one iteration; product (n,): room for kernels. method (6,): coefficients of the step;
-    flags (4,), numbers (6,): see above.
+    flags (4,), numbers (6,): see above. misses (HIGHEST_ORDER + 1,): what predictions of each order were off by lately.
     """
 
     tree: TreeWork
@@ -182,3 +182,4 @@ class StepWork(Table):
     method: Array
     flags: IntArray
     numbers: Array
+    misses: Array
