@@ -47,9 +47,10 @@ class Case:
         motion.vd[:] = np.linalg.lstsq(A, -gamma, rcond=1e-10)[0] + S @ rng.normal(size=S.shape[1])
         self.motion, self.A = motion, A
         self.small = small_system(system, self.relative)
-        self.state = new_state(system, self.relative, new_instant(system, 1.0, 1.0))
+        instant = new_instant(system, 1.0, 1.0)
+        self.state = new_state(system, self.relative, instant)
         self.work = new_work(system, self.relative)
-        link(self.small, self.state, self.work)
+        link(self.small, self.state, self.work, instant, lambda text: None)
         vectors = self.state.vectors
         relative_motion(self.relative, motion, self.state.joints, self.state.accepted, vectors.nu, vectors.nud)
         vectors.nu_next[:], vectors.nud_next[:] = vectors.nu, vectors.nud

@@ -22,7 +22,8 @@ def test_a_kept_kernel_is_not_compiled_again(cache: Path, monkeypatch: pytest.Mo
     (cache / ahead.MARKER).touch()
     monkeypatch.setattr(subprocess, "Popen", lambda *a, **k: pytest.fail("a process was started"))
     ahead.begin()
-    ahead.finish(lambda text: pytest.fail(text))
+    ahead.announce(pytest.fail)
+    ahead.finish()
 
 
 def test_the_run_waits_and_says_why(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -32,9 +33,12 @@ def test_the_run_waits_and_says_why(cache: Path, monkeypatch: pytest.MonkeyPatch
     said: list[str] = []
     ahead.begin()
     ahead.begin()  # one is enough
-    ahead.finish(said.append)
+    ahead.announce(said.append)
+    ahead.finish()
     assert said == ["compiling the step's kernels (once per installation)"]
-    ahead.finish(said.append)
+    assert list(cache.iterdir()) == []  # no claims are left
+    ahead.announce(said.append)
+    ahead.finish()
     assert len(said) == 1
 
 
@@ -44,13 +48,50 @@ def test_without_a_second_process_the_run_goes_on(cache: Path, monkeypatch: pyte
 
     monkeypatch.setattr(subprocess, "Popen", refuse)
     ahead.begin()
-    ahead.finish(lambda text: pytest.fail(text))
+    ahead.announce(pytest.fail)
+    ahead.finish()
 
 
-def test_the_kernel_that_is_compiled_is_the_one_that_runs_use() -> None:
+def test_each_compilation_is_claimed_by_one_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    done: list[str] = []
+    monkeypatch.setattr(ahead, "_claims", [tmp_path])
+    (tmp_path / "b").touch()  # by the other
+    ahead.share((name, lambda name=name: done.append(name)) for name in "abcb")
+    assert done == ["a", "c"]
+    ahead.share((name, lambda name=name: done.append(name)) for name in "acd")
+    assert done == ["a", "c", "d"]
+    monkeypatch.setattr(ahead, "_claims", [tmp_path / "gone"])
+    ahead.share([("b", lambda: done.append("b"))])
+    assert done == ["a", "c", "d", "b"]
+
+
+def test_what_a_process_has_claimed_is_compiled_though_it_dies(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second process claims everything and fails: the run links what it needs all the same."""
+    from maggi.model.bodies import RigidBody
+    from maggi.model.model import Model
+    from maggi.stepping.stepper import Stepper
+    from maggi.system.build import build_system
+
+    stepper = Stepper(build_system(Model(bodies={"b": RigidBody(1.0)})), 0.9, 1e-8, 1.0, 1.0)
+    start = subprocess.Popen
+    monkeypatch.setattr(subprocess, "Popen", lambda _, **k: start([sys.executable, "-c", "raise SystemExit(1)"], **k))
+    ahead.begin()
+    monkeypatch.setattr(ahead, "_claim", lambda name: False)
+    stepper.link()
+    assert (stepper.small.links[:5] != 0).all()
+
+
+def test_the_kernels_that_are_compiled_are_the_ones_that_runs_use(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from maggi.stepping import iteration
 
-    ahead.compile_step()
+    claims = cache / "claims"
+    claims.mkdir()
+    monkeypatch.setattr(ahead, "_claims", [])
+    ahead.compile_step(str(claims))
+    assert (cache / ahead.MARKER).exists()
+    assert {path.name for path in claims.iterdir()} == {
+        *("evaluate", "refresh", "correct", "accept", "predict", "advance", "show")
+    }
     count = len(iteration.advance.signatures)
     from maggi.analyses.transient import run
     from maggi.model.bodies import RigidBody

@@ -19,7 +19,6 @@ from .tables import (
     CURVE_POINT,
     ROTATION,
     ROTATION_SECOND,
-    ROTATION_VECTOR,
     TRANSLATION,
     LiaisonState,
     LiaisonTable,
@@ -47,14 +46,12 @@ def joint_coordinates(table: LiaisonTable, attachments: AttachmentState, out: Li
 
 @njit(cache=True, error_model="numpy")
 def joint_coordinate(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
-    """One joint coordinate; rotations right-handed and unwrapped. Parameters of curves are left to `special`."""
+    """One joint coordinate; rotations right-handed and unwrapped. The rest are left to `special`."""
     kind = table.coordinate[c, COORDINATE_KIND]
     if kind == ROTATION or kind == ROTATION_SECOND:
         _turn(table, attachments, c, out)
     elif kind == TRANSLATION:
         _translation(table, attachments, c, out)
-    elif kind == ROTATION_VECTOR:
-        _rotation_vector(table, attachments, c, out)
 
 
 @njit(cache=True, error_model="numpy")
@@ -112,7 +109,7 @@ def _translation(table: LiaisonTable, attachments: AttachmentState, c: int, out:
 
 
 @njit(cache=True, error_model="numpy")
-def _rotation_vector(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
+def rotation_vector_component(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
     """A component, along an axis of the first, of the rotation vector from the first's axes to the second's."""
     j = table.coordinate[c, COORDINATE_JOINT]
     k = table.coordinate[c, COORDINATE_AXIS]

@@ -1,6 +1,7 @@
 """Compiled rows and coordinates that only some mechanisms have, called by address so that others need not compile them.
 
-Rows between two points (`directions`) but those of lower pairs, rows that users write, and parameters of curves.
+Rows between two points (`directions`) but those of lower pairs, rows that users write, parameters of curves, and rotation
+vectors, which are the coordinates of joints that leave all rotations free.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from maggi.linalg.jets import evaluate
 from maggi.linalg.links import Link
 
 from .callbacks import callback_row
-from .coordinates import curve_parameter
+from .coordinates import curve_parameter, rotation_vector_component
 from .directions import point_direction
 from .sums import pfaffian_row
 from .tables import (
@@ -27,6 +28,7 @@ from .tables import (
     PRODUCT,
     RATE_RELATION,
     RELATION,
+    ROTATION_VECTOR,
     ROW_FIRST,
     ROW_HOLONOMIC,
     ROW_JOINT,
@@ -107,12 +109,14 @@ def special_rows(table: LiaisonTable, attachments: AttachmentState, out: Liaison
 
 @Link
 def special_coordinates(table: LiaisonTable, attachments: AttachmentState, out: LiaisonState, t: float) -> None:
-    """Parameters of curves among the coordinates that the table measures."""
+    """Rotation vectors and parameters of curves among the coordinates that the table measures."""
     for x in range(table.measured.shape[0]):
         c = table.measured[x]
         kind = table.coordinate[c, COORDINATE_KIND]
         if kind == CURVE_POINT or kind == CURVE_FACE:
             curve_parameter(table, attachments, c, out)
+        elif kind == ROTATION_VECTOR:
+            rotation_vector_component(table, attachments, c, out)
 
 
 def link_special(table: LiaisonTable, attachments: AttachmentState, rows: LiaisonState) -> None:
@@ -120,5 +124,5 @@ def link_special(table: LiaisonTable, attachments: AttachmentState, rows: Liaiso
     common = (OFFSET, PRODUCT, TWIST, RELATION, RATE_RELATION)
     if not np.isin(table.row[:, ROW_KIND], common).all():
         table.special[SPECIAL_ROWS] = special_rows.address(table, attachments, rows)
-    if np.isin(table.coordinate[:, COORDINATE_KIND], (CURVE_POINT, CURVE_FACE)).any():
+    if np.isin(table.coordinate[:, COORDINATE_KIND], (CURVE_POINT, CURVE_FACE, ROTATION_VECTOR)).any():
         table.special[SPECIAL_COORDINATES] = special_coordinates.address(table, attachments, rows)

@@ -16,7 +16,7 @@ from numba.core.dispatcher import Dispatcher
 from numba.extending import intrinsic
 
 from . import compiling as compiling  # for its effect
-from .table import Table, TableType
+from .table import Table, TableType, numba_type
 
 POINTER = ir.IntType(8).as_pointer()
 
@@ -39,7 +39,7 @@ class Link:
 
     def address(self, *tables: Table) -> int:
         """Where the kernel for tables of these types is, compiled if it has not been before."""
-        signature = (*(table.__dict__["_numba_type_"] for table in tables), types.float64)
+        signature = (*(numba_type(table) for table in tables), types.float64)
         self.kernel.compile(signature)
         compiled: Any = self.kernel.overloads[signature]
         return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))

@@ -81,6 +81,12 @@ class Table:
         return type(self)(*(value.copy() if isinstance(value, np.ndarray | Table) else value for value in self))
 
 
+def numba_type(table: Table) -> TableType:
+    """The type of a table for signatures."""
+    kind: TableType = table.__dict__["_numba_type_"]
+    return kind
+
+
 register_model(TableType)(models.OpaqueModel)
 
 

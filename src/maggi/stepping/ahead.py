@@ -1,49 +1,82 @@
-"""Compiling the step ahead of its use, in a second process.
+"""Compiling the step in two processes.
 
-The step's kernel takes longest to compile of all, and numba compiles in one thread. Where no compiled one is kept yet, a
-second process makes it while the first reads and assembles the model, on the other core; the first then loads it.
+The step's kernels take longest to compile of all, and numba compiles in one thread. Where no compiled ones are kept yet, a
+second process begins with them while the first reads and assembles the model, on the other core. The first helps from the
+other end once it gets there: each stage is *claimed* by the one that compiles it, and the other loads it afterwards.
 """
 
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+import tempfile
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 MARKER = "step-compiled"
+CLAIMS = "claims-"
 _pending: list[subprocess.Popen[bytes]] = []
+_claims: list[Path] = []  # the folder that both processes put their claims in
 
 
 def begin() -> None:
-    """Start compiling the step's kernel, unless this state of the sources has been compiled before."""
+    """Start compiling the step's kernels, unless this state of the sources has been compiled before."""
     folder = os.environ.get("NUMBA_CACHE_DIR")
     if folder is None or _pending or (Path(folder) / MARKER).exists() or (os.cpu_count() or 1) < 2:
         return
-    command = [sys.executable, "-c", f"from {__name__} import compile_step; compile_step()"]
     quiet = subprocess.DEVNULL
     try:
+        claims = tempfile.mkdtemp(prefix=CLAIMS, dir=folder)
+        command = [sys.executable, "-c", f"from {__name__} import compile_step; compile_step({claims!r})"]
         _pending.append(subprocess.Popen(command, stdin=quiet, stdout=quiet, stderr=quiet))
     except OSError:  # no second process is to be had: the first compiles when it needs to
         return
+    _claims.append(Path(claims))
 
 
-def finish(announce: Callable[[str], None]) -> None:
-    """Wait for the second process, if there is one; whatever became of it, the kernel can now be called."""
+def announce(say: Callable[[str], None]) -> None:
+    """Tell that a run waits for compilations, if it does."""
+    if any(process.poll() is None for process in _pending):
+        say("compiling the step's kernels (once per installation)")
+
+
+def share(compilations: Iterable[tuple[str, Callable[[], object]]]) -> None:
+    """Carry out those that no other process has claimed, in this order."""
+    for name, compilation in compilations:
+        if _claim(name):
+            compilation()
+
+
+def _claim(name: str) -> bool:
+    for claims in _claims:
+        try:
+            (claims / name).touch(exist_ok=False)
+        except FileExistsError:
+            return False
+        except OSError:  # the folder is gone, and so is the other process
+            return True
+    return True
+
+
+def finish() -> None:
+    """Wait for the second process, if there is one; whatever became of it, the kernels can now be called."""
     while _pending:
         process = _pending.pop()
-        if process.poll() is None:
-            announce("compiling the step's kernels (once per installation)")
         try:
             process.wait()
         except BaseException:
             process.kill()
             raise
+        finally:
+            for claims in _claims:
+                shutil.rmtree(claims, ignore_errors=True)
+            _claims.clear()
 
 
-def compile_step() -> None:
-    """Compile the step's kernel as `Stepper` calls it, without a step being made, and leave a marker.
+def compile_step(claims: str) -> None:
+    """Compile the step's kernels as `Stepper` calls them, as far as nobody else claims them, and leave a marker.
 
     First the liaisons' rows, by which the first process looks for the initial state once its meshes are assembled.
     """
@@ -52,12 +85,13 @@ def compile_step() -> None:
     from maggi.system.build import build_system
     from maggi.system.dense import dense_rows
 
+    from .linking import compilations
     from .stepper import Stepper
 
+    _claims.append(Path(claims))
     system = build_system(Model(bodies={"body": RigidBody(1.0)}))
     dense_rows(system, system.start, 0.0)
     stepper = Stepper(system, 0.9, 1e-8, 1.0, 1.0)
-    stepper.link()
-    stepper.advance(0.0, 0)
+    share(compilations(stepper.small, stepper.trial, stepper.work, stepper.state).items())
     folder = Path(os.environ["NUMBA_CACHE_DIR"])
     (folder / MARKER).touch()

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
+from numba import types
 
 from maggi.bodies.tables import MESH, RITZ
 from maggi.liaisons.kernels import all_rows
+from maggi.linalg.links import Link
+from maggi.linalg.table import numba_type
 
-from . import block_kernels, spring_kernels
+from . import ahead, block_kernels, spring_kernels
 from .acceptance import accept
 from .correction import correct
 from .evaluation import evaluate
+from .instant_kernels import show
+from .iteration import advance
 from .linearization import refresh
 from .prediction import predict
 from .tables import (
@@ -28,6 +36,7 @@ from .tables import (
     ROWS,
     SPRING_COEFFICIENTS,
     SPRING_FORCES,
+    Instant,
     SmallSystem,
     StepState,
     StepWork,
@@ -43,8 +52,38 @@ STAGES = {
 """What every step goes through."""
 
 
-def link(small: SmallSystem, state: StepState, work: StepWork) -> None:
-    """Fill `small.links` with the stages that the mechanism needs, compiled if they have not been before."""
+def link(
+    small: SmallSystem, state: StepState, work: StepWork, instant: Instant, announce: Callable[[str], None]
+) -> None:
+    """Fill `small.links` with the stages that the mechanism needs, and have them and their callers compiled.
+
+    Where a second process is at it, what that has not begun is compiled here, from the end, and the rest waited for.
+    """
+    ahead.announce(announce)
+    ahead.share(reversed(compilations(small, state, work, instant).items()))
+    ahead.finish()
+    for place, stage in _wanted(small).items():
+        small.links[place] = stage.address(small, state, work)
+    small.links[ROWS] = all_rows.address(small.closures, small.step_bodies, state.motion, state.attachments, state.rows)
+
+
+def compilations(
+    small: SmallSystem, state: StepState, work: StepWork, instant: Instant
+) -> dict[str, Callable[[], object]]:
+    """What is to be compiled for a mechanism, by name, in the order of its use."""
+    number, integer = types.float64, types.int64
+    of_small, of_state, of_work, of_instant = (numba_type(table) for table in (small, state, work, instant))
+    stages = {stage.kernel.__name__: partial(stage.address, small, state, work) for stage in _wanted(small).values()}
+    steps = of_small, of_state, of_work, integer, number, integer, number
+    return {
+        **stages,
+        "advance": partial(advance.compile, steps),
+        "show": partial(show.compile, (of_small, number, of_state, of_work, of_instant)),
+    }
+
+
+def _wanted(small: SmallSystem) -> dict[int, Link]:
+    """The stages that a mechanism needs, by their places in `small.links`."""
     wanted = dict(STAGES)
     bodies, blocks = small.step_bodies, small.tree.block
     prescribed = bool((bodies.floating[blocks] == 0).any())
@@ -64,6 +103,4 @@ def link(small: SmallSystem, state: StepState, work: StepWork) -> None:
     if small.tree.spring.size:
         wanted[ADD_SPRINGS] = spring_kernels.add_springs
         wanted[SPRING_FORCES] = spring_kernels.spring_forces
-    for place, stage in wanted.items():
-        small.links[place] = stage.address(small, state, work)
-    small.links[ROWS] = all_rows.address(small.closures, bodies, state.motion, state.attachments, state.rows)
+    return wanted

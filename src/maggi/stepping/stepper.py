@@ -21,7 +21,7 @@ from maggi.projection.relative_system import RelativeSystem, relative_system
 from maggi.system.dense import dense_rows
 from maggi.system.system import System
 
-from . import ahead, iteration
+from . import iteration
 from .allocate import elastic_compliances, geometric_metric, new_instant, new_state, new_work, small_system
 from .failures import almost_flat, why_undefined
 from .instant_kernels import show, to_model
@@ -122,8 +122,7 @@ class Stepper:
 
     def link(self) -> None:
         """Have the stages of the step compiled, or loaded; those that a second process compiles are waited for."""
-        ahead.finish(self._announce)
-        link(self.small, self.trial, self.work)
+        link(self.small, self.trial, self.work, self.state, self._announce)
 
     def start_accelerations(self, t: float) -> None:
         """True accelerations and liaison forces of the present state (Eq. T10), the algorithmic ones set equal."""
