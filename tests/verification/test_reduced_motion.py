@@ -106,7 +106,8 @@ def test_complete_shapes_in_a_closed_loop(cell, coupling):
     for one, other in zip(fields(dense, "rod"), fields(mesh, "rod"), strict=True):
         same(one, other, 2e-6)
     same(dense.state.multipliers, mesh.state.multipliers, 1e-8)
-    np.testing.assert_allclose(dense.state.now.origin, mesh.state.now.origin, rtol=0, atol=1e-13)
+    # 1e-12 of the size, 0.45 m: what a step may leave, whichever side of it either run ends on
+    np.testing.assert_allclose(dense.state.now.origin, mesh.state.now.origin, rtol=0, atol=4.5e-13)
 
 
 @pytest.mark.parametrize("name", ["pendulum", "free", "turned"])

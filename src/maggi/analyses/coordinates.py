@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from maggi.bodies.attachment_kernels import attachment_motion
 from maggi.bodies.tables import MotionState
-from maggi.liaisons.coordinates import joint_coordinates
+from maggi.liaisons.kernels import evaluate_rows
 from maggi.liaisons.tables import (
     COORDINATE_AXIS,
     COORDINATE_KIND,
@@ -57,7 +57,7 @@ def coordinate_rates(system: System, motion: MotionState, S: Array) -> Array:
     for k in range(S.shape[1]):
         motion.v[:] = S[:, k]
         attachment_motion(system.bodies, motion, attachments)
-        joint_coordinates(system.liaisons, attachments, rows)
+        evaluate_rows(system.liaisons, system.bodies, motion, attachments, rows, 0.0)
         rates[:, k] = rows.coordinate[:, 1]
     return rates
 

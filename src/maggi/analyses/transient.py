@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from maggi.linalg.threads import one_blas_thread
 from maggi.model.bodies import ElasticBody
 from maggi.model.errors import ModelError, SimulationError
 from maggi.model.model import Model
@@ -78,7 +79,8 @@ def run(model: Model, recorder: Recorder, progress: Progress | None = None, *, e
     progress = progress or Silent()
     began = time.perf_counter()
     try:
-        return _Run(model, recorder, progress, exact).run(began)
+        with one_blas_thread():
+            return _Run(model, recorder, progress, exact).run(began)
     except KeyboardInterrupt:
         recorder.end("interrupted")
         raise

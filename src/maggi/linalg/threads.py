@@ -1,4 +1,4 @@
-"""Set-up work shared among threads.
+"""Threads: set-up work shared among them, and none for dense products.
 
 numba's own parallel loops cost seconds to compile, each; they are for passes of every step. A kernel that runs once or a
 few times is compiled for one part of the work, without Python's lock, and called in as many threads as there are parts.
@@ -8,9 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager
 from typing import Any
 
 import numba
+import scipy.linalg as scipy_linalg  # brings a BLAS of its own
+from threadpoolctl import threadpool_limits
 
 
 def in_parts(kernel: Callable[..., None], *arguments: Any) -> None:
@@ -25,3 +28,14 @@ def in_parts(kernel: Callable[..., None], *arguments: Any) -> None:
     with ThreadPoolExecutor(parts) as pool:
         for done in [pool.submit(kernel, part, parts, *arguments) for part in range(parts)]:
             done.result()
+
+
+def one_blas_thread() -> AbstractContextManager[object]:
+    """Within it, BLAS works in one thread.
+
+    Its sums depend on how many there are, and its threads would wait, busy, for the next small product while others have
+    work to do.
+    """
+    assert scipy_linalg
+    limits: AbstractContextManager[object] = threadpool_limits(limits=1, user_api="blas")
+    return limits

@@ -241,29 +241,49 @@ def outwards(tree: Tree, work: TreeWork, z: Array) -> None:
     """z (d,) = L⁻ᵀ z in place: the joints' free motions from D⁻¹y, outwards."""
     twist, column = work.twist, work.column
     parent, free_start, free = tree.parent, tree.free_start, tree.free
-    relative, arms = work.rotation, work.arm
     for x in range(parent.shape[0]):
         t = twist[x]
-        p = parent[x]
-        if p < 0:
-            for i in range(6):
-                t[i] = 0.0
-        else:
-            u, Q = twist[p], relative[x]
-            r0, r1, r2 = arms[x, 0], arms[x, 1], arms[x, 2]
-            w0, w1, w2 = u[3], u[4], u[5]
-            v0 = u[0] + w1 * r2 - w2 * r1
-            v1 = u[1] + w2 * r0 - w0 * r2
-            v2 = u[2] + w0 * r1 - w1 * r0
-            for i in range(3):
-                t[i] = Q[0, i] * v0 + Q[1, i] * v1 + Q[2, i] * v2
-                t[3 + i] = Q[0, i] * w0 + Q[1, i] * w1 + Q[2, i] * w2
+        carry_twist(work, x, parent[x], t)
         for d in range(free_start[x + 1] - 1, free_start[x] - 1, -1):
             value = z[d]
             for i in range(6):
                 value -= column[d, i] * t[i]
             z[d] = value
             t[free[d]] += value
+
+
+@njit(cache=True, error_model="numpy")
+def inwards(tree: Tree, work: TreeWork, s: Array, z: Array) -> None:
+    """z (d,) = Lᵀ s, the inverse of `outwards`."""
+    twist, column = work.twist, work.column
+    parent, free_start, free = tree.parent, tree.free_start, tree.free
+    for x in range(parent.shape[0]):
+        t = twist[x]
+        carry_twist(work, x, parent[x], t)
+        for d in range(free_start[x + 1] - 1, free_start[x] - 1, -1):
+            value = s[d]
+            for i in range(6):
+                value += column[d, i] * t[i]
+            z[d] = value
+            t[free[d]] += s[d]
+
+
+@njit(cache=True, error_model="numpy")
+def carry_twist(work: TreeWork, x: int, p: int, out: Array) -> None:
+    """The twist of tree body p as it is at body x that hangs on it; none where p is the ground, −1."""
+    if p < 0:
+        for i in range(6):
+            out[i] = 0.0
+        return
+    u, Q = work.twist[p], work.rotation[x]
+    r0, r1, r2 = work.arm[x, 0], work.arm[x, 1], work.arm[x, 2]
+    w0, w1, w2 = u[3], u[4], u[5]
+    v0 = u[0] + w1 * r2 - w2 * r1
+    v1 = u[1] + w2 * r0 - w0 * r2
+    v2 = u[2] + w0 * r1 - w1 * r0
+    for i in range(3):
+        out[i] = Q[0, i] * v0 + Q[1, i] * v1 + Q[2, i] * v2
+        out[3 + i] = Q[0, i] * w0 + Q[1, i] * w1 + Q[2, i] * w2
 
 
 @njit(cache=True, error_model="numpy")

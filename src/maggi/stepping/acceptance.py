@@ -98,8 +98,8 @@ def accept(small: SmallSystem, state: StepState, work: StepWork, t: float) -> No
                 now.rotation[b, i, j] = motion.rotation[b, i, j]
     work.flags[BEST] = best_order(small, work.flags[ORDER], vectors, work.misses)
     renew(vectors.a_next, vectors.a, vectors.a_differences)
-    renew(vectors.pi_next, vectors.pi, vectors.pi_differences)
-    renew(vectors.kappa_next, vectors.kappa, vectors.kappa_differences)
+    renew(vectors.shift_next, vectors.shift, vectors.shift_differences)
+    renew(vectors.rate_shift_next, vectors.rate_shift, vectors.rate_shift_differences)
     nu, nu_next, nud, nud_next = vectors.nu, vectors.nu_next, vectors.nud, vectors.nud_next
     for i in range(nu.shape[0]):
         nu[i] = nu_next[i]

@@ -61,7 +61,7 @@ def new_instant(system: System, least_speed: float, least_acceleration: float) -
 def new_state(system: System, relative: RelativeSystem, instant: Instant) -> StepState:
     """The initial pose, at rest, in the frames of the step, of a run that `instant` shows."""
     m, r, b, x = len(relative.tree.size), len(relative.closures.row), system.bodies.kind.size, len(relative.tree.body)
-    shifted = 0 if (system.bodies.kind == MESH).any() else r
+    shifted = 0 if (system.bodies.kind == MESH).any() or r == 0 else m
     vectors = StepVectors(
         a=np.zeros(m),
         a_next=np.zeros(m),
@@ -74,12 +74,12 @@ def new_state(system: System, relative: RelativeSystem, instant: Instant) -> Ste
         multipliers=np.zeros(r),
         multipliers_next=np.zeros(r),
         multipliers_previous=np.zeros(r),
-        pi=np.zeros(shifted),
-        pi_next=np.zeros(shifted),
-        pi_differences=np.zeros((HIGHEST_ORDER, shifted)),
-        kappa=np.zeros(shifted),
-        kappa_next=np.zeros(shifted),
-        kappa_differences=np.zeros((HIGHEST_ORDER, shifted)),
+        shift=np.zeros(shifted),
+        shift_next=np.zeros(shifted),
+        shift_differences=np.zeros((HIGHEST_ORDER, shifted)),
+        rate_shift=np.zeros(shifted),
+        rate_shift_next=np.zeros(shifted),
+        rate_shift_differences=np.zeros((HIGHEST_ORDER, shifted)),
         elastic=np.zeros((b, 2)),
         contraction=np.array([0.1, 100.0]),
     )
@@ -155,6 +155,8 @@ def new_work(system: System, relative: RelativeSystem) -> StepWork:
         delta=np.zeros(m),
         shift=np.zeros(m),
         rate_shift=np.zeros(m),
+        shift_before=np.zeros(m),
+        rate_shift_before=np.zeros(m),
         step=np.zeros(m),
         pi=np.zeros(r),
         kappa=np.zeros(r),

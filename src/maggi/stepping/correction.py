@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from maggi.bodies.tables import MESH
+from maggi.bodies.tables import MESH, Array
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.liaisons.tables import ROW_HOLONOMIC
 from maggi.linalg.links import Link, call3
@@ -15,7 +15,7 @@ from maggi.projection.closures import (
     closure_rates,
 )
 from maggi.projection.range_space import solve, transpose_product
-from maggi.projection.tree_kernels import outwards, tree_residual
+from maggi.projection.tree_kernels import inwards, outwards, tree_residual
 
 from .evaluation import has_forces
 from .prediction import coefficients
@@ -28,23 +28,25 @@ def shifts(small: SmallSystem, c: GeneralizedAlpha, state: StepState, work: Step
     """π and κ: what closures are off by at position and velocity level, and the shifts that mend it.
 
     Λ κ = −(A v + b) + (γh/σ)(A v̇ + γ),   Λ π = −Φ + (βh²/σ)(A v̇ + γ). Leaves −Zπ − Z_Dκ of mesh bodies in `delta`,
-    forces of springs in `force` and `on_joints`.
+    forces of springs in `force` and `on_joints`. The first correction of a step puts W Aᵀπ in the place of what was
+    predicted, so that predictions leave nothing behind.
     """
-    tree, bodies, rows = small.tree, small.step_bodies, state.rows
+    tree, bodies, rows, vectors = small.tree, small.step_bodies, state.rows, state.vectors
     first, start = tree.skyline_first, tree.skyline_start
     pi, kappa, columns = work.pi, work.kappa, work.tree.columns
     for i in range(pi.shape[0]):
         acceleration = rows.acceleration[i] / c.sigma
         kappa[i] = -rows.velocity[i] + c.gamma * c.h * acceleration
-        pi[i] = 0.0
-        if small.closures.row[i, ROW_HOLONOMIC] == 1:
-            pi[i] = -rows.position[i] + c.beta * c.h * c.h * acceleration
+        pi[i] = -rows.position[i] + c.beta * c.h * c.h * acceleration
+    predicted = work.flags[FIRST] == 1 and vectors.shift.shape[0] > 0
+    if predicted:
+        add_predicted(small, work, vectors.shift_next, work.shift_before, pi)
+        add_predicted(small, work, vectors.rate_shift_next, work.rate_shift_before, kappa)
+    for i in range(pi.shape[0]):
+        if small.closures.row[i, ROW_HOLONOMIC] == 0:
+            pi[i] = 0.0
     solve(first, start, work.L, work.pivot, pi)
     solve(first, start, work.L, work.pivot, kappa)
-    pi_next, kappa_next = state.vectors.pi_next, state.vectors.kappa_next
-    for i in range(pi_next.shape[0]):
-        pi_next[i] += pi[i]
-        kappa_next[i] += kappa[i]
     step = work.step
     for i in range(step.shape[0]):
         step[i] = 0.0
@@ -60,11 +62,30 @@ def shifts(small: SmallSystem, c: GeneralizedAlpha, state: StepState, work: Step
         work.velocity_force[i] += step[i]
     apply_compliance(tree, bodies, work.W, work.tree, step, work.rate_shift)
     apply_mesh_compliance(tree, bodies, work.W_D, step, work.delta)
+    if predicted:
+        for i in range(step.shape[0]):
+            work.shift[i] -= work.shift_before[i]
+            work.rate_shift[i] -= work.rate_shift_before[i]
     if small.links[SPRING_FORCES] != 0:
         call3(small.links[SPRING_FORCES], small, state, work, t)
     outwards(tree, work.tree, work.shift)
     outwards(tree, work.tree, work.rate_shift)
     joint_spring_forces(small, work)
+    for i in range(vectors.shift_next.shape[0]):
+        vectors.shift_next[i] += work.shift[i]
+        vectors.rate_shift_next[i] += work.rate_shift[i]
+
+
+@njit(cache=True, error_model="numpy")
+def add_predicted(small: SmallSystem, work: StepWork, shift: Array, before: Array, out: Array) -> None:
+    """A predicted shift (m,) in the variables of `apply_compliance`, Lᵀ shift, to `before`; add A shift to out (r,)."""
+    tree, rates = small.tree, work.rates
+    for i in range(shift.shape[0]):
+        before[i] = shift[i]
+    inwards(tree, work.tree, shift, before)
+    closure_rates(tree, work.tree.columns, before, 0, rates)
+    for i in range(out.shape[0]):
+        out[i] += rates[i]
 
 
 @njit(cache=True, error_model="numpy")

@@ -8,8 +8,6 @@ from maggi.bodies.tables import Array
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.links import Link
 from maggi.linalg.rotations import exp_se3_update
-from maggi.projection.closures import add_closure_forces, apply_compliance
-from maggi.projection.tree_kernels import outwards
 
 from .tables import BEST, ORDER, SmallSystem, StepState, StepWork
 
@@ -25,8 +23,7 @@ def coefficients(work: StepWork) -> GeneralizedAlpha:
 def predict(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
     """Accelerations extrapolated by a polynomial of the order that did best, and the Newmark state that follows.
 
-    So are π and κ: Newmark's polynomials miss the closures by much the same from step to step. What shifts they make is
-    taken from the last step's matrices, so that no part of a shift lives on that closures do not ask for.
+    So are the shifts by which closures are met: Newmark's polynomials miss them by much the same from step to step.
     """
     c, order = coefficients(work), min(work.flags[ORDER], work.flags[BEST])
     vectors = state.vectors
@@ -42,16 +39,17 @@ def predict(small: SmallSystem, state: StepState, work: StepWork, t: float) -> N
         nud_next[i] = z0 * b + z1 * a[i] - z2 * nud[i]
         nu_next[i] = nu[i] + x0 * a[i] + x1 * b
         increment[i] = c.h * nu[i] + y0 * a[i] + y1 * b
-    pi, kappa = vectors.pi_next, vectors.kappa_next
-    if order > 0 and pi.shape[0] > 0:  # the first step of a size has none before
-        extrapolate(vectors.pi, vectors.pi_differences, order - 1, pi)
-        extrapolate(vectors.kappa, vectors.kappa_differences, order - 1, kappa)
-        add_shift(small, work, pi, increment)
-        add_shift(small, work, kappa, nu_next)
+    shift, rate_shift = vectors.shift_next, vectors.rate_shift_next
+    if order > 0:  # the first step of a size has none before
+        extrapolate(vectors.shift, vectors.shift_differences, order - 1, shift)
+        extrapolate(vectors.rate_shift, vectors.rate_shift_differences, order - 1, rate_shift)
+        for i in range(shift.shape[0]):
+            increment[i] += shift[i]
+            nu_next[i] += rate_shift[i]
     else:
-        for i in range(pi.shape[0]):
-            pi[i] = 0.0
-            kappa[i] = 0.0
+        for i in range(shift.shape[0]):
+            shift[i] = 0.0
+            rate_shift[i] = 0.0
     before, following, last = vectors.multipliers_previous, vectors.multipliers_next, vectors.multipliers
     for i in range(last.shape[0]):
         following[i] = last[i] + (last[i] - before[i] if order > 0 else 0.0)
@@ -65,19 +63,6 @@ def extrapolate(x: Array, differences: Array, order: int, out: Array) -> None:
     for k in range(order):
         for i in range(x.shape[0]):
             out[i] += differences[k, i]
-
-
-@njit(cache=True, error_model="numpy")
-def add_shift(small: SmallSystem, work: StepWork, pi: Array, out: Array) -> None:
-    """Add W Aᵀπ to out (m,)."""
-    tree, force, shift = small.tree, work.force, work.shift
-    for i in range(force.shape[0]):
-        force[i] = 0.0
-    add_closure_forces(tree, work.tree.columns, pi, 1.0, force)
-    apply_compliance(tree, small.step_bodies, work.W, work.tree, force, shift)
-    outwards(tree, work.tree, shift)
-    for i in range(shift.shape[0]):
-        out[i] += shift[i]
 
 
 @njit(cache=True, error_model="numpy")

@@ -87,9 +87,9 @@ class StepVectors(Table):
     a, a_next (m,): algorithmic accelerations. a_differences (k, m): backward differences ∇a, ∇²a … of the steps before, as
     many as there have been steps of this size. nu, nu_next, nud, nud_next (m,): velocities ν and their
     true rates. increment (m,): Δq of the step. multipliers, multipliers_next, multipliers_previous (r,): λ of closures.
-    pi_next, kappa_next (r,): sums of π, κ over this step's corrections; pi, kappa (r,): over the last's; pi_differences,
-    kappa_differences (k, r): backward differences of those. All empty where there are full meshes, whose shifts are not
-    predicted.
+    shift_next, rate_shift_next (m,): sums of W Aᵀπ, W Aᵀκ over this step's corrections, by which closures are met; shift,
+    rate_shift (m,): over the last's; shift_differences, rate_shift_differences (k, m): backward differences of those.
+    All empty where there are full meshes, whose shifts are not predicted.
     elastic (b, 2): the largest |e| and |ë| of each body lately. contraction (2,): of the iteration, and the
     number of steps since it was last measured.
     """
@@ -105,12 +105,12 @@ class StepVectors(Table):
     multipliers: Array
     multipliers_next: Array
     multipliers_previous: Array
-    pi: Array
-    pi_next: Array
-    pi_differences: Array
-    kappa: Array
-    kappa_next: Array
-    kappa_differences: Array
+    shift: Array
+    shift_next: Array
+    shift_differences: Array
+    rate_shift: Array
+    rate_shift_next: Array
+    rate_shift_differences: Array
     elastic: Array
     contraction: Array
 
@@ -146,7 +146,8 @@ class StepWork(Table):
     base (m,): mesh bodies: frame residual, and the free elastic increments. accounted (m,): liaison forces that
     mesh bodies' increments already contain. position_force, velocity_force (m,): accumulated Aᵀπ, Aᵀκ.
     given (n,): forces Aᵀλ − Q on bodies; loads (n,): Q. stiffness, on_joints (m,): of springs on single free motions, and
-    their forces. The rest are vectors of one iteration; product (n,): room for kernels. method (6,): coefficients of the step;
+    their forces. shift_before, rate_shift_before (m,): what was predicted of `shift`, `rate_shift`. The rest are
+    vectors of one iteration; product (n,): room for kernels. method (6,): coefficients of the step;
     flags (4,), numbers (6,): see above. misses (HIGHEST_ORDER + 1,): what predictions of each order were off by lately.
     """
 
@@ -173,6 +174,8 @@ class StepWork(Table):
     delta: Array
     shift: Array
     rate_shift: Array
+    shift_before: Array
+    rate_shift_before: Array
     step: Array
     pi: Array
     kappa: Array
