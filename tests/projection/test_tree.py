@@ -14,7 +14,7 @@ from maggi.projection.closures import (
 )
 from maggi.projection.relative_motion import relative_motion
 from maggi.projection.relative_system import relative_system
-from maggi.projection.tree_kernels import closure_columns, outwards, tree_factor
+from maggi.projection.tree_kernels import closure_columns, inwards, outwards, tree_factor
 from maggi.stepping.allocate import new_instant, new_state, new_work, small_system
 from maggi.stepping.evaluation import evaluate
 from maggi.stepping.instant_kernels import show
@@ -115,7 +115,10 @@ def test_compliance_of_closures_is_that_of_the_null_space(case, sigma):
     closure_rates(tree, work.tree.columns, z, 0, out)
     np.testing.assert_allclose(out, expected @ x, atol=1e-9 * max(1e-300, np.abs(expected).max(initial=1.0)))
     # the motion itself, on the bodies: S (SᵀσMS)⁻¹ Aᵀ x
+    back, before = np.zeros(len(tree.size)), z.copy()
     outwards(tree, work.tree, z)
+    inwards(tree, work.tree, z, back)
+    np.testing.assert_allclose(back, before, atol=1e-12 * max(1e-300, np.abs(before).max(initial=1.0)))
     scale = np.zeros(len(A))
     closure_scale(tree, case.relative.bodies, case.state.rows.A, sigma, False, work.W, work.product, scale)
     full = case.A[case.relative.closure_row]

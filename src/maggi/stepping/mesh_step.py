@@ -189,6 +189,7 @@ class MeshStep:
         """The attachments' (d, θ), rates and accelerations as elastic coordinates of the present."""
         part = slice(self._start + 6, self._end)
         B = self.body.B
+        rounded = vectors.a[part].copy()
         for field, target in (
             (self.u, motion.e[self._elastic_part]),
             (self.ud, vectors.nu[part]),
@@ -196,6 +197,8 @@ class MeshStep:
             (self.a, vectors.a[part]),
         ):
             attachment_values(B.indptr, B.indices, B.data, 1.0, field, target)
+        # predicted as the nodes' accelerations are, by the last difference
+        vectors.a_differences[0, part] += vectors.a[part] - rounded
 
     # energies of the present
 
