@@ -98,8 +98,8 @@ def test_compliance_of_closures_is_that_of_the_null_space(case, sigma):
     """Λ = A S (Sᵀ σM S)⁻¹ Sᵀ Aᵀ with S from a singular value decomposition of the rows in the tree's joints."""
     system, tree, work = case.system, case.relative.tree, case.work
     tree_factor(tree, sigma, False, work.stiffness, work.tree)
-    closure_columns(tree, case.state.rows.A, work.tree)
-    closure_compliance(tree, case.relative.bodies, work.W, work.tree, work.product, work.L)
+    closure_columns(tree, case.state.rows.A, work.kept, work.tree)
+    closure_compliance(tree, case.relative.bodies, work.W, work.tree, work.kept, work.product, work.L)
     found = from_skyline(tree, work.L)
     S = null_space(case.A[case.relative.joint_row]) if len(case.relative.joint_row) else np.eye(system.coordinates)
     A = case.A[case.relative.closure_row] @ S

@@ -9,15 +9,17 @@ from __future__ import annotations
 
 from numba import njit
 
-from maggi.bodies.tables import MESH, Array, BodyTable
+from maggi.bodies.tables import MESH, Array, BodyTable, IntArray
 from maggi.linalg.small import inner, multiply
 
 from .tree_tables import Tree, TreeWork
 
 
 @njit(cache=True, error_model="numpy")
-def closure_compliance(tree: Tree, bodies: BodyTable, W: Array, work: TreeWork, product: Array, out: Array) -> None:
-    """Λ into skyline storage: row i holds columns skyline_first[i] … i. product (m,): scratch."""
+def closure_compliance(
+    tree: Tree, bodies: BodyTable, W: Array, work: TreeWork, kept: IntArray, product: Array, out: Array
+) -> None:
+    """Λ into skyline storage: row i holds columns skyline_first[i] … i; rows that are not kept stay zero. product (m,): scratch."""
     columns, inverse, incidence, begin = work.columns, work.inverse, tree.incidence, tree.incidence_start
     first, start, node_start = tree.skyline_first, tree.skyline_start, tree.node_start
     count = tree.parent.shape[0]
@@ -31,7 +33,7 @@ def closure_compliance(tree: Tree, bodies: BodyTable, W: Array, work: TreeWork, 
         if k == 1 and node < count:
             for x in range(begin[node], begin[node + 1]):
                 value = columns[incidence[x, 1]] * inverse[s]
-                if value == 0.0:
+                if value == 0.0 or kept[incidence[x, 0]] == 0:
                     continue
                 o = start[incidence[x, 0]] - first[incidence[x, 0]]
                 for y in range(begin[node], x + 1):
@@ -39,6 +41,8 @@ def closure_compliance(tree: Tree, bodies: BodyTable, W: Array, work: TreeWork, 
             continue
         for x in range(begin[node], begin[node + 1]):
             i = incidence[x, 0]
+            if kept[i] == 0:
+                continue
             p = incidence[x, 1]
             o = start[i] - first[i]
             if node < count:

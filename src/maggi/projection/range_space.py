@@ -96,6 +96,23 @@ def factorise(
 
 
 @njit(cache=True, error_model="numpy")
+def factorise_kept(first: IntArray, start: IntArray, L: Array, pivot: Array, scale: Array, kept: IntArray) -> float:
+    """`factorise` of the rows that are kept alone; 0 where one of them turns out to depend on others."""
+    smallest = 1.0
+    for i in range(first.shape[0]):
+        if kept[i] == 0:
+            pivot[i] = 0.0
+            continue
+        diagonal = _eliminate(i, first, start, L, pivot)
+        pivot[i] = 1.0 / diagonal
+        if i < scale.shape[0]:
+            if not diagonal > RANK_TOLERANCE * scale[i]:
+                return 0.0
+            smallest = min(smallest, diagonal / scale[i])
+    return smallest
+
+
+@njit(cache=True, error_model="numpy")
 def find_singular(first: IntArray, start: IntArray, L: Array, pivot: Array, scale: Array, active: IntArray) -> float:
     """Which rows are dependent by their geometry alone, with hysteresis; returns sin² of the smallest angle kept.
 

@@ -10,7 +10,7 @@ import math
 
 from numba import njit
 
-from maggi.bodies.tables import Array, BodyTable, MotionState
+from maggi.bodies.tables import Array, BodyTable, IntArray, MotionState
 from maggi.linalg.rotations import exp_se3_update
 
 from .tree_tables import PRISMATIC, REVOLUTE, JointPoses, Tree, TreeWork
@@ -368,12 +368,14 @@ def tree_factor(tree: Tree, sigma: float, geometric: bool, stiffness: Array, wor
 
 
 @njit(cache=True, error_model="numpy")
-def closure_columns(tree: Tree, A: Array, work: TreeWork) -> None:
-    """L⁻¹ Sᵀ Aᵀ of every closure on the tree bodies between it and the ground, Aᵀ on blocks; A (flat) on the bodies."""
+def closure_columns(tree: Tree, A: Array, kept: IntArray, work: TreeWork) -> None:
+    """L⁻¹ Sᵀ Aᵀ of every closure that is kept on the tree bodies between it and the ground, Aᵀ on blocks; A (flat) on the bodies."""
     column, columns, force = work.column, work.columns, work.path_force
     free_start, free, path, node_start = tree.free_start, tree.free, tree.path, tree.node_start
     count = tree.parent.shape[0]
     for q in range(tree.path_start.shape[0] - 1):
+        if kept[q] == 0:
+            continue
         first, last = tree.path_start[q], tree.path_start[q + 1]
         for place in range(first, last):
             for i in range(6):

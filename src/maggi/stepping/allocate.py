@@ -141,6 +141,8 @@ def new_work(system: System, relative: RelativeSystem) -> StepWork:
         pivot=np.zeros(q),
         scale=np.zeros(r),
         active=np.ones(r, dtype=np.int64),
+        kept=np.ones(q, dtype=np.int64),
+        kept_before=np.ones(q, dtype=np.int64),
         metric=geometric_metric(system),
         metric_scale=np.zeros(r),
         base=np.zeros(m),
@@ -164,7 +166,7 @@ def new_work(system: System, relative: RelativeSystem) -> StepWork:
         rates=np.zeros(q),
         product=np.zeros(max(widest, m)),
         method=np.zeros(6),
-        flags=np.zeros(4, dtype=np.int64),
-        numbers=np.zeros(6),
+        flags=np.zeros(5, dtype=np.int64),
+        numbers=np.zeros(7),
         misses=np.zeros(HIGHEST_ORDER + 1),
     )

@@ -24,6 +24,7 @@ from .tables import (
     EVALUATE,
     FIRST,
     HIGHEST_ORDER,
+    LOOSE,
     ORDER,
     PREDICT_STEP,
     PRESCRIBE,
@@ -97,6 +98,7 @@ def iterate(
                     rho[1] = 0.0
                 else:
                     rho[1] += 1.0
+                work.numbers[LOOSE] = dropped
                 return CONVERGED, iteration
         if iteration == MAX_ITERATIONS:
             break

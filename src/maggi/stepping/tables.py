@@ -19,13 +19,14 @@ SPRING_COEFFICIENTS, ADD_SPRINGS, SPRING_FORCES, LINKS = 11, 12, 13, 14
 HIGHEST_ORDER = 5  # of the polynomials that a step is predicted by, and so the number of differences kept
 
 # StepWork.flags: whether this is a step's first correction; the highest order that the prediction may have; how many steps in a
-# row could have been twice as long; the order that would have been best for the last step.
-FIRST, ORDER, CALM, BEST = 0, 1, 2, 3
+# row could have been twice as long; the order that would have been best for the last steps; how many times in a row the same rows have depended on
+# others.
+FIRST, ORDER, CALM, BEST, STEADY = 0, 1, 2, 3, 4
 
 # StepWork.numbers: sine of the smallest angle between rows; powers (W): that damping of meshed bodies takes, that prescribed
 # frames give, that damping of Ritz bodies takes; the local error that a step may make, 0 for steps of one size, and the one
-# that the last has made.
-SINE, DISSIPATION, GIVEN_POWER, TAKEN_POWER, BOUND, ERROR = 0, 1, 2, 3, 4, 5
+# that the last has made; what dependent rows are off by.
+SINE, DISSIPATION, GIVEN_POWER, TAKEN_POWER, BOUND, ERROR, LOOSE = 0, 1, 2, 3, 4, 5, 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,14 +142,14 @@ class StepWork(Table):
 
     W (flat blocks): compliances Ŝ⁻¹ of blocks. elastic (flat, as `BodyTable.m`): those of Ritz bodies' coordinates alone,
     for the present step size. W_Z, W_D (flat blocks): B̂ᵀŜ⁻¹KŜ⁻¹B̂ of mesh bodies and the same with D.
-    L (skyline), pivot (q,), scale (r,). active (r,): 0 for rows that are dependent by geometry; metric (flat blocks),
+    L (skyline), pivot (q,), scale (r,). active (r,): 0 for rows that are dependent by geometry; kept (q,): 0 for rows that are left out for now, kept_before (q,); metric (flat blocks),
     metric_scale (r,): what that is judged in, see `range_space`.
     base (m,): mesh bodies: frame residual, and the free elastic increments. accounted (m,): liaison forces that
     mesh bodies' increments already contain. position_force, velocity_force (m,): accumulated Aᵀπ, Aᵀκ.
     given (n,): forces Aᵀλ − Q on bodies; loads (n,): Q. stiffness, on_joints (m,): of springs on single free motions, and
     their forces. shift_before, rate_shift_before (m,): what was predicted of `shift`, `rate_shift`. The rest are
     vectors of one iteration; product (n,): room for kernels. method (6,): coefficients of the step;
-    flags (4,), numbers (6,): see above. misses (HIGHEST_ORDER + 1,): what predictions of each order were off by lately.
+    flags (5,), numbers (7,): see above. misses (HIGHEST_ORDER + 1,): what predictions of each order were off by lately.
     """
 
     tree: TreeWork
@@ -160,6 +161,8 @@ class StepWork(Table):
     pivot: Array
     scale: Array
     active: IntArray
+    kept: IntArray
+    kept_before: IntArray
     metric: Array
     metric_scale: Array
     base: Array
