@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 AGREEMENT = 1e-9
 """Relative difference, times the condition of S, up to which formulations agree: far above round-off, far below a mistake."""
 
+FLOORED = 1e-7
+"""The same where bodies were given inertia, 1e-6 of what their mass could have: their own turns are known a million times less well."""
+
 NO_INERTIA = 1e-11
 """An admitted motion counts as one without inertia where its kinetic energy is this much less than the largest."""
 
@@ -60,7 +63,7 @@ class Comparison:
     """Maggi's equations against the other formulations at one state.
 
     velocities, freedoms : how many are unknown, and how many of them independent. condition : of S, with velocities
-    scaled by the mechanism's size. shared : liaisons of which only the sum of their forces is determined. notes : what
+    scaled by the mechanism's size. floored : whether bodies without inertia were given some. shared : liaisons of which only the sum of their forces is determined. notes : what
     was taken otherwise than the model says.
     """
 
@@ -70,11 +73,12 @@ class Comparison:
     differences: tuple[Difference, ...]
     shared: tuple[str, ...]
     notes: tuple[str, ...]
+    floored: bool = False
 
     @property
     def tolerance(self) -> float:
         """The largest relative difference that is round-off."""
-        return AGREEMENT * self.condition
+        return (FLOORED if self.floored else AGREEMENT) * self.condition
 
     @property
     def agree(self) -> bool:
@@ -142,10 +146,11 @@ def compare_at(system: System, motion: MotionState, t: float, notes: list[str] |
     """Compare the formulations at a state that the liaisons admit. See `formulations.question_at`."""
     notes = list(notes or [])
     question = question_at(system, motion, t)
-    if not determined(question):
+    floored = not determined(question)
+    if floored:
         question = question_at(system, motion, t, floor=True)
         notes.append("bodies without inertia about an axis that is free were given a little of it")
-    return compare(question, FORMULATIONS, notes)
+    return replace(compare(question, FORMULATIONS, notes), floored=floored)
 
 
 def compare(
