@@ -42,6 +42,18 @@ def test_the_run_waits_and_says_why(cache: Path, monkeypatch: pytest.MonkeyPatch
     assert len(said) == 1
 
 
+def test_a_cache_folder_that_is_not_there_yet_is_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "new" / "cache"))
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    start = subprocess.Popen
+    started: list[object] = []
+    command = [sys.executable, "-c", "pass"]
+    monkeypatch.setattr(subprocess, "Popen", lambda wanted, **k: (started.append(wanted), start(command, **k))[1])
+    ahead.begin()
+    ahead.finish()
+    assert len(started) == 1
+
+
 def test_without_a_second_process_the_run_goes_on(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise OSError("no more processes")

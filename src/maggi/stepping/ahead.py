@@ -28,6 +28,7 @@ def begin() -> None:
         return
     quiet = subprocess.DEVNULL
     try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
         claims = tempfile.mkdtemp(prefix=CLAIMS, dir=folder)
         command = [sys.executable, "-c", f"from {__name__} import compile_step; compile_step({claims!r})"]
         _pending.append(subprocess.Popen(command, stdin=quiet, stdout=quiet, stderr=quiet))
