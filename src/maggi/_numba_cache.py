@@ -30,7 +30,8 @@ KEPT_SECONDS = 86_400.0
 # An import statement: either `from module import names` (in parentheses or not) or `import modules`.
 IMPORT = re.compile(rb"\n[ \t]*(?:from[ \t]+([.\w]+)[ \t]+import[ \t]*(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]*))")
 WORD = re.compile(rb"[.\w]+")
-NUMBA = re.compile(rb"\n[ \t]*(?:from|import)[ \t]+numba\b")
+# Modules of kernels import numba, or the decorators that stand for it.
+NUMBA = re.compile(rb"\n[ \t]*(?:from|import)[ \t]+(?:numba|[.\w]*\bcompiling)\b")
 COMPILERS = (("numba", "_version.py"), ("llvmlite", "_version.py"), ("numpy", "version.py"))
 
 
@@ -69,7 +70,7 @@ def source_key(package: Path) -> str:
 
 
 def seen_by_kernels(package: Path, texts: dict[Path, bytes]) -> list[Path]:
-    """The modules that import numba and, transitively, those that they import, packages' `__init__` included; sorted.
+    """The modules that import numba, or `compiling`, and, transitively, those that they import, packages' `__init__` included; sorted.
 
     Whatever is named after `import` counts, a module or not, and so does a name in a text that looks like an import:
     now and then one too many, never one too few.

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from numba import njit
 
+from maggi.linalg.compiling import inner_kernel, kernel
 from maggi.linalg.rotations import exp_se3_update, exp_so3, left_tangent, left_tangent_rates
 
 from .tables import FIXED, Array, AttachmentState, BodyTable, MotionState
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def attachment_motion(table: BodyTable, state: MotionState, out: AttachmentState) -> None:
     """Position, rotation, velocities and accelerations of every attachment, exactly (Theory §3)."""
     for a in range(table.attachment_body.shape[0]):
         move_attachment(table, a, state, out)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def move_attachment(table: BodyTable, a: int, state: MotionState, out: AttachmentState) -> None:
     """One attachment of `attachment_motion`.
 
@@ -103,7 +104,7 @@ def move_attachment(table: BodyTable, a: int, state: MotionState, out: Attachmen
         out.angular_acceleration[a, i] = r0 * (e0 + m0) + r1 * (e1 + m1) + r2 * (e2 + m2)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _elastic_motion(table: BodyTable, a: int, first: int, n: int, state: MotionState, out: Array) -> None:
     """(d, θ) = Ψ e, its rate and its acceleration, to out (18,)."""
     p = table.psi_offset[a]

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from maggi.bodies.attachment_kernels import generalised_force
 from maggi.bodies.tables import Array, AttachmentState, BodyTable, MotionState
 from maggi.liaisons.tables import COORDINATE_JOINT, LiaisonState, LiaisonTable
+from maggi.linalg.compiling import inner_kernel, kernel
 from maggi.linalg.jets import evaluate
 
 from .tables import ForceTable
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _apply(
     bodies: BodyTable, state: MotionState, attachments: AttachmentState, a: int, f: Array, m: Array, Q: Array
 ) -> None:
@@ -34,7 +33,7 @@ def _apply(
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def applied_forces(
     table: ForceTable,
     bodies: BodyTable,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from maggi.bodies.tables import Array, AttachmentState
+from maggi.linalg.compiling import inner_kernel, kernel
 from maggi.linalg.rotations import log_so3
 
 from .curves import INITIAL, nearest_parameter, touching_parameter
@@ -37,14 +37,14 @@ from .vectors import (
 )
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def joint_coordinates(table: LiaisonTable, attachments: AttachmentState, out: LiaisonState) -> None:
     """The joint coordinates that the table measures, with rate, acceleration and coefficients."""
     for x in range(table.measured.shape[0]):
         joint_coordinate(table, attachments, table.measured[x], out)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def joint_coordinate(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
     """One joint coordinate; rotations right-handed and unwrapped. The rest are left to `special`."""
     kind = table.coordinate[c, COORDINATE_KIND]
@@ -54,7 +54,7 @@ def joint_coordinate(table: LiaisonTable, attachments: AttachmentState, c: int, 
         _translation(table, attachments, c, out)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _turn(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
     """The angle about an axis between an axis of the first and the same axis of the second, both normal to it."""
     j = table.coordinate[c, COORDINATE_JOINT]
@@ -83,7 +83,7 @@ def _turn(table: LiaisonTable, attachments: AttachmentState, c: int, out: Liaiso
         wrench[1, 3 + i] = about[i]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _translation(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
     """The position of the second end along an axis of the first."""
     j = table.coordinate[c, COORDINATE_JOINT]
@@ -108,7 +108,7 @@ def _translation(table: LiaisonTable, attachments: AttachmentState, c: int, out:
         wrench[1, 3 + i] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def rotation_vector_component(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
     """A component, along an axis of the first, of the rotation vector from the first's axes to the second's."""
     j = table.coordinate[c, COORDINATE_JOINT]
@@ -135,7 +135,7 @@ def rotation_vector_component(table: LiaisonTable, attachments: AttachmentState,
         wrench[1, 3 + i] = z[i]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _rate(wrench: Array, attachments: AttachmentState, p: int, q: int) -> float:
     value = 0.0
     for i in range(3):
@@ -145,7 +145,7 @@ def _rate(wrench: Array, attachments: AttachmentState, p: int, q: int) -> float:
     return float(value)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def curve_parameter(table: LiaisonTable, attachments: AttachmentState, c: int, out: LiaisonState) -> None:
     """The parameter of a curve joint, less its initial value.
 

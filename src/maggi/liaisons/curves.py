@@ -12,6 +12,7 @@ import math
 import numpy as np
 from numba import njit
 
+from maggi.linalg.compiling import kernel
 from maggi.linalg.jets import evaluate
 
 from .tables import (
@@ -63,7 +64,7 @@ def curve_point(table: LiaisonTable, curve: IntArray, s: float, out: Array) -> N
         out[0, i] += data[d + SHIFT + i]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def nearest_parameter(table: LiaisonTable, curve: IntArray, s: float, x: Array, out: Array) -> float:
     """The parameter near s with (x − c(s)) · c′(s) = 0, and the curve there: out (3, 3). x (3,): carrier's axes."""
     for _ in range(MOST_ITERATIONS):
@@ -88,7 +89,7 @@ def nearest_parameter(table: LiaisonTable, curve: IntArray, s: float, x: Array, 
     return s
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def touching_parameter(table: LiaisonTable, curve: IntArray, s: float, m: Array, out: Array) -> float:
     """The parameter near s with c′(s) · m = 0, and the curve there: out (3, 3). m (3,): a normal, carrier's axes."""
     for _ in range(MOST_ITERATIONS):

@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 
 from maggi.bodies.tables import Array, AttachmentState
+from maggi.linalg.compiling import inner_kernel
 from maggi.linalg.jets import evaluate
 
 from .curves import INITIAL, REFERENCE, curve_point
@@ -91,7 +92,7 @@ def _distance(
     return length - float(jet[0])
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _roll(table: LiaisonTable, attachments: AttachmentState, i: int, D: Array, work: Array) -> float:
     """A disc or a sphere on the plane through the first's point, normal n = z of the first; centre on n's side.
 
@@ -138,7 +139,7 @@ def _relative_velocity(attachments: AttachmentState, p: int, q: int, D: Array, o
     to_local(attachments.rotation[p], y, out)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _surface(table: LiaisonTable, attachments: AttachmentState, i: int, D: Array, N: Array, Nd: Array) -> float:
     """F(x)/|∇F| for the second point x in the carrier's axes; N = R ∇F/|∇F|."""
     j = table.row[i, ROW_JOINT]
@@ -166,7 +167,7 @@ def _surface(table: LiaisonTable, attachments: AttachmentState, i: int, D: Array
     return value / size
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _on_curve(
     table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState, D: Array, work: Array
 ) -> float:

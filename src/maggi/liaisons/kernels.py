@@ -6,6 +6,7 @@ from numba import njit
 
 from maggi.bodies.attachment_kernels import generalised_force
 from maggi.bodies.tables import AttachmentState, BodyTable, MotionState
+from maggi.linalg.compiling import inner_kernel
 from maggi.linalg.links import Link, call3
 
 from .coordinates import joint_coordinates
@@ -28,7 +29,7 @@ from .tables import (
 from .vectors import difference, row, scalar_product, total, turned_axis, vector_product
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def offset_rows(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> int:
     """Row i and those after it of the same kind and joint, Φ = a·(p₂ − p₁) with axes a of the first; returns the row after.
 
@@ -64,7 +65,7 @@ def offset_rows(table: LiaisonTable, attachments: AttachmentState, i: int, out: 
     return i
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def turn_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: LiaisonState) -> None:
     """Products of axes: Φ = a_k·b_l, or a_k·b_l − a_l·b_k; a turns with the first end, b with the second."""
     j = table.row[i, ROW_JOINT]
@@ -99,7 +100,7 @@ def turn_row(table: LiaisonTable, attachments: AttachmentState, i: int, out: Lia
     out.acceleration[i] = acceleration
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def on_bodies(
     table: LiaisonTable, bodies: BodyTable, state: MotionState, attachments: AttachmentState, out: LiaisonState
 ) -> None:

@@ -7,9 +7,9 @@ vectors, which are the coordinates of joints that leave all rotations free.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from maggi.bodies.tables import Array, AttachmentState
+from maggi.linalg.compiling import inner_kernel
 from maggi.linalg.jets import evaluate
 from maggi.linalg.links import Link
 
@@ -42,7 +42,7 @@ from .tables import (
 from .vectors import cross, dot
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def point_row(attachments: AttachmentState, p: int, q: int, start: int, i: int, work: Array, out: LiaisonState) -> None:
     """N · [v₂ + ω₂ × ρ − v₁ − ω₁ × (P − p₁)], its rate and its coefficients; work: N, Ṅ, ρ, ρ̇ (`directions`)."""
     N, Nd, rho, rhod = work[0], work[1], work[2], work[3]

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from maggi.bodies.tables import AttachmentState
+from maggi.linalg.compiling import inner_kernel, kernel
 from maggi.linalg.jets import evaluate_jet
 
 from .tables import JETS, RELATION, ROW_FIRST, ROW_KIND, ROW_SECOND, LiaisonState, LiaisonTable
@@ -12,7 +11,7 @@ from .tables import JETS, RELATION, ROW_FIRST, ROW_KIND, ROW_SECOND, LiaisonStat
 POSE = 12  # variables of one end: x, y, z, r11, r12, …, r33
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def relation_row(table: LiaisonTable, i: int, t: float, out: LiaisonState) -> None:
     """g(t, q₁ … q_n) = 0 of joint coordinates, or g(t, q̇₁ … q̇_n) = 0, linear in the rates.
 
@@ -64,7 +63,7 @@ def relation_row(table: LiaisonTable, i: int, t: float, out: LiaisonState) -> No
         out.rhs[i] = jet[0]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def pfaffian_row(table: LiaisonTable, attachments: AttachmentState, i: int, t: float, out: LiaisonState) -> None:
     """Σ a_k(t, poses) u_k + b(t, poses) = 0 on velocity components u_k of the row's ends.
 

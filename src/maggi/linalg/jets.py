@@ -15,11 +15,13 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 from numpy.typing import ArrayLike, NDArray
+
+from maggi.linalg.compiling import inner_kernel, kernel
 
 from ..model.errors import ModelError
 from ..model.functions import TimeFunction
@@ -63,7 +65,7 @@ def _reserve(typing_context: Any) -> Any:
 _machine_stack: Any = intrinsic(_reserve)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _power(u: float, du: float, ddu: float, g: float, dg: float, ddg: float) -> tuple[float, float, float]:
     """Jet of u**g; for a moving exponent u must be positive."""
     value = u**g
@@ -84,7 +86,7 @@ def _power(u: float, du: float, ddu: float, g: float, dg: float, ddg: float) -> 
     return value, value * slope, value * (bend + slope * slope)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _outer(code: int, u: float) -> tuple[float, float, float]:
     """A function of one argument with its first two derivatives there: (h, h′, h″)."""
     if code == _SIN:
@@ -131,7 +133,7 @@ def _outer(code: int, u: float) -> tuple[float, float, float]:
     )
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _later_sign(u: float, du: float, ddu: float) -> float:
     """Sign of a jet just after now: of the first of its entries that is not zero."""
     if u != 0.0:
@@ -139,7 +141,7 @@ def _later_sign(u: float, du: float, ddu: float) -> float:
     return du if du != 0.0 else ddu
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def evaluate(codes: NDArray[np.int64], values: Array, t: float, out: Array) -> bool:
     """Writes ``out[0:3] = f(t), ḟ(t), f̈(t)`` of a postfix program; returns whether all three are finite.
 
@@ -153,7 +155,7 @@ def evaluate(codes: NDArray[np.int64], values: Array, t: float, out: Array) -> b
     return evaluate_jet(codes, values, time, out)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def evaluate_jet(codes: NDArray[np.int64], values: Array, variables: Array, out: Array) -> bool:
     """As `evaluate`, for a function of several variables: `variables` (k, 3) are their jets along the motion.
 
@@ -238,7 +240,7 @@ def evaluate_jet(codes: NDArray[np.int64], values: Array, variables: Array, out:
     return math.isfinite(out[0]) and math.isfinite(out[1]) and math.isfinite(out[2])
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _evaluate_many(codes: NDArray[np.int64], values: Array, times: Array, out: Array) -> None:
     for i in range(times.size):
         evaluate(codes, values, times[i], out[i])

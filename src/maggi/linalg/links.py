@@ -42,7 +42,10 @@ class Link:
         signature = (*(numba_type(table) for table in tables), types.float64)
         self.kernel.compile(signature)
         compiled: Any = self.kernel.overloads[signature]
-        return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
+        address = compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
+        if not address:
+            raise TypeError(f"{self.kernel.__name__} was compiled without an entry for calls by address")
+        return int(address)
 
 
 def _calling(typing_context: Any, address: Any, *arguments: Any) -> Any:

@@ -6,6 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from maggi.linalg.compiling import kernel
+
 Array = NDArray[np.float64]
 
 # Sums may be taken in any order, so that several entries are multiplied at once.
@@ -38,7 +40,7 @@ def add_multiple(factor: float, x: Array, out: Array) -> None:
         out[i] += factor * x[i]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def invert(matrix: Array, out: Array) -> None:
     """The inverse of a small positive definite matrix, by L D Lᵀ; `matrix` is overwritten."""
     n = matrix.shape[0]

@@ -7,15 +7,14 @@ diagonal D⁻¹ on those of the tree, W on blocks. Vectors `g` hold L⁻¹ of fo
 
 from __future__ import annotations
 
-from numba import njit
-
 from maggi.bodies.tables import MESH, Array, BodyTable, IntArray
+from maggi.linalg.compiling import kernel
 from maggi.linalg.small import inner, multiply
 
 from .tree_tables import Tree, TreeWork
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def closure_compliance(
     tree: Tree, bodies: BodyTable, W: Array, work: TreeWork, kept: IntArray, product: Array, out: Array
 ) -> None:
@@ -57,7 +56,7 @@ def closure_compliance(
                 out[o + incidence[y, 0]] += inner(product[:k], columns[r : r + k])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def apply_compliance(tree: Tree, bodies: BodyTable, W: Array, work: TreeWork, g: Array, out: Array) -> None:
     """out (m,): D⁻¹ g on the tree's motions, W g on blocks."""
     inverse, node_start = work.inverse, tree.node_start
@@ -70,7 +69,7 @@ def apply_compliance(tree: Tree, bodies: BodyTable, W: Array, work: TreeWork, g:
         multiply(W[bodies.block[b] : bodies.block[b + 1]].reshape(e - s, e - s), g[s:e], out[s:e])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def apply_mesh_compliance(tree: Tree, bodies: BodyTable, W: Array, g: Array, out: Array) -> None:
     """Subtract W g from out (m,) on blocks of meshed bodies, for W_Z and W_D, which others do not have."""
     count = tree.parent.shape[0]
@@ -84,7 +83,7 @@ def apply_mesh_compliance(tree: Tree, bodies: BodyTable, W: Array, g: Array, out
             out[s + i] -= inner(block[i], g[s:e])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def add_closure_force(tree: Tree, columns: Array, q: int, value: float, out: Array) -> None:
     """Add to out (m,) the force of closure q, `value` times L⁻¹SᵀAᵀ."""
     velocity = tree.column_velocity
@@ -92,7 +91,7 @@ def add_closure_force(tree: Tree, columns: Array, q: int, value: float, out: Arr
         out[velocity[c]] += columns[c] * value
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def add_closure_forces(tree: Tree, columns: Array, x: Array, sign: float, out: Array) -> None:
     """Add to out (m,) the forces ± L⁻¹SᵀAᵀ x of the first closures, as many as x has."""
     for q in range(x.shape[0]):
@@ -100,7 +99,7 @@ def add_closure_forces(tree: Tree, columns: Array, x: Array, sign: float, out: A
             add_closure_force(tree, columns, q, sign * x[q], out)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def closure_rates(tree: Tree, columns: Array, z: Array, first: int, out: Array) -> None:
     """out (r,): A L⁻ᵀ z of motions z (m,) as `apply_compliance` leaves them, of closures from the first on."""
     velocity, start = tree.column_velocity, tree.column_start
@@ -111,7 +110,7 @@ def closure_rates(tree: Tree, columns: Array, z: Array, first: int, out: Array) 
         out[q] = value
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def closure_scale(
     tree: Tree, bodies: BodyTable, A: Array, sigma: float, geometric: bool, W: Array, product: Array, scale: Array
 ) -> None:

@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from maggi.bodies.tables import Array, IntArray
+from maggi.linalg.compiling import kernel
 
 MASSLESS = 1e-12
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def factorise_lu(a: Array, order: IntArray) -> float:
     """LU factors of the square matrix a (n, n), in place, with partial pivoting; order (n,): row exchanges.
 
@@ -49,7 +49,7 @@ def factorise_lu(a: Array, order: IntArray) -> float:
     return smallest
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def solve_lu(a: Array, order: IntArray, x: Array) -> None:
     """x ← A⁻¹ x, x (n, k), with the factors of `factorise_lu`."""
     n, count = x.shape
@@ -77,7 +77,7 @@ def solve_lu(a: Array, order: IntArray, x: Array) -> None:
                     x[i, j] -= y * x[k, j]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def solve_lu_transposed(a: Array, order: IntArray, x: Array) -> None:
     """x ← A⁻ᵀ x, x (n,), with the factors of `factorise_lu`."""
     n = x.shape[0]
@@ -96,7 +96,7 @@ def solve_lu_transposed(a: Array, order: IntArray, x: Array) -> None:
             x[p] = y
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def multiply(a: Array, b: Array, out: Array) -> None:
     """out (m, k) = a (m, n) b (n, k), zeros of a skipped: liaison rows touch two bodies of many."""
     m, n = a.shape
@@ -110,7 +110,7 @@ def multiply(a: Array, b: Array, out: Array) -> None:
                     out[i, j] += x * b[l, j]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def multiply_transposed(a: Array, b: Array, out: Array) -> None:
     """out (n, k) = aᵀ b with a (m, n), b (m, k)."""
     m, n = a.shape
@@ -125,7 +125,7 @@ def multiply_transposed(a: Array, b: Array, out: Array) -> None:
                     out[i, j] += x * b[l, j]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def solve_inertia(M: Array, usual: Array, x: Array) -> tuple[int, float]:
     """x ← M⁻¹ x for a positive semidefinite M (n, n), destroyed, by Cholesky's factors with diagonal pivoting.
 

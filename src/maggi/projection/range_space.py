@@ -11,6 +11,7 @@ from numba import njit
 
 from maggi.bodies.tables import FIXED, MESH, Array, BodyTable, IntArray
 from maggi.liaisons.tables import LiaisonTable
+from maggi.linalg.compiling import inner_kernel, kernel
 from maggi.linalg.small import REORDERED, inner, multiply
 
 RANK_TOLERANCE = 1e-11
@@ -25,7 +26,7 @@ SUSPECT = 1e-5
 """Smallest pivot in the metric of the step from which on the geometric one is looked at."""
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def assemble_compliance(rows: LiaisonTable, bodies: BodyTable, A: Array, W: Array, out: Array) -> None:
     """Λ = Σ_b A_b W_b A_bᵀ into skyline storage: row i holds columns skyline_first[i] … i."""
     out[:] = 0.0
@@ -69,7 +70,7 @@ def _eliminate(i: int, first: IntArray, start: IntArray, L: Array, pivot: Array)
     return float(diagonal)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def factorise(
     first: IntArray, start: IntArray, L: Array, pivot: Array, scale: Array, active: IntArray, all_rows: bool
 ) -> float:
@@ -95,7 +96,7 @@ def factorise(
     return smallest
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def factorise_kept(first: IntArray, start: IntArray, L: Array, pivot: Array, scale: Array, kept: IntArray) -> float:
     """`factorise` of the rows that are kept alone; 0 where one of them turns out to depend on others."""
     smallest = 1.0
@@ -112,7 +113,7 @@ def factorise_kept(first: IntArray, start: IntArray, L: Array, pivot: Array, sca
     return smallest
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def find_singular(first: IntArray, start: IntArray, L: Array, pivot: Array, scale: Array, active: IntArray) -> float:
     """Which rows are dependent by their geometry alone, with hysteresis; returns sin² of the smallest angle kept.
 
@@ -133,7 +134,7 @@ def find_singular(first: IntArray, start: IntArray, L: Array, pivot: Array, scal
     return smallest
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def solve(first: IntArray, start: IntArray, L: Array, pivot: Array, x: Array) -> None:
     """Solve Λ x = b in place, with the leading part of Λ where x is shorter; dependent rows get zero."""
     r = x.shape[0]
@@ -157,7 +158,7 @@ def solve(first: IntArray, start: IntArray, L: Array, pivot: Array, x: Array) ->
             x[i] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def transpose_product(rows: LiaisonTable, bodies: BodyTable, A: Array, x: Array, out: Array) -> None:
     """out (n,) = Aᵀ x over all bodies' small coordinates."""
     out[:] = 0.0
@@ -174,7 +175,7 @@ def transpose_product(rows: LiaisonTable, bodies: BodyTable, A: Array, x: Array,
                     out[o + k] += A[p + k] * value
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def product(rows: LiaisonTable, bodies: BodyTable, A: Array, v: Array, out: Array) -> None:
     """out (r,) = A v."""
     out[:] = 0.0
@@ -191,7 +192,7 @@ def product(rows: LiaisonTable, bodies: BodyTable, A: Array, v: Array, out: Arra
             out[rows.incidence[y, 0]] += value
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def block_product(bodies: BodyTable, W: Array, f: Array, out: Array, of_meshes: bool = False) -> None:
     """out (n,) = W f, block by block. of_meshes: only those of meshed bodies, since the others are zero."""
     if of_meshes:

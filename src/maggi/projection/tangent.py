@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 
 from maggi.bodies.tables import FIXED, Array, BodyTable, IntArray, MotionState
+from maggi.linalg.compiling import kernel
 from maggi.linalg.rotations import exp_so3, left_tangent
 
 
@@ -84,7 +85,7 @@ def rates_of_coordinates(bodies: BodyTable, x: Array, turns: Array, v: Array, ou
                 out[o + 3 + i] += inverse[j, i] * v[o + 3 + j]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def invert3(a: Array, out: Array) -> None:
     """The inverse of a (3, 3), by cofactors."""
     for i in range(3):

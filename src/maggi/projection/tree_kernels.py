@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from maggi.bodies.tables import Array, BodyTable, IntArray, MotionState
+from maggi.linalg.compiling import inner_kernel, kernel
 from maggi.linalg.rotations import exp_se3_update
 
 from .tree_tables import PRISMATIC, REVOLUTE, JointPoses, Tree, TreeWork
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def place_joint(tree: Tree, x: int, now: JointPoses, increment: Array, following: JointPoses, work: TreeWork) -> None:
     """The pose of joint x after an increment of its free motions, and of its body in the carrier's frame."""
     s = tree.free_start[x]
@@ -57,7 +56,7 @@ def place_joint(tree: Tree, x: int, now: JointPoses, increment: Array, following
             R[i, j] = a * turn[0, j] + b * turn[1, j] + c * turn[2, j]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def tree_motion(
     tree: Tree,
     bodies: BodyTable,
@@ -155,7 +154,7 @@ def tree_motion(
         rate[o + 5] += w0 * u1 - w1 * u0
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def carry_force(Q: Array, arm: Array, f: Array, out: Array) -> None:
     """Add to out (6,) a force and moment f (6,) on a body as felt in its carrier's frame."""
     g0 = Q[0, 0] * f[0] + Q[0, 1] * f[1] + Q[0, 2] * f[2]
@@ -169,7 +168,7 @@ def carry_force(Q: Array, arm: Array, f: Array, out: Array) -> None:
     out[5] += Q[2, 0] * f[3] + Q[2, 1] * f[4] + Q[2, 2] * f[5] + arm[0] * g1 - arm[1] * g0
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def add_inertia_force(
     tree: Tree, bodies: BodyTable, x: int, motion: MotionState, gravity: Array, given: Array, out: Array
 ) -> None:
@@ -204,7 +203,7 @@ def add_inertia_force(
     out[5] += given[o + 5] + S0 * a1 - S1 * a0 + w0 * h1 - w1 * h0 + k2
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def tree_residual(
     tree: Tree,
     bodies: BodyTable,
@@ -236,7 +235,7 @@ def tree_residual(
             carry_force(work.rotation[x], work.arm[x], f, force[parent[x]])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def outwards(tree: Tree, work: TreeWork, z: Array) -> None:
     """z (d,) = L⁻ᵀ z in place: the joints' free motions from D⁻¹y, outwards."""
     twist, column = work.twist, work.column
@@ -252,7 +251,7 @@ def outwards(tree: Tree, work: TreeWork, z: Array) -> None:
             t[free[d]] += value
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def inwards(tree: Tree, work: TreeWork, s: Array, z: Array) -> None:
     """z (d,) = Lᵀ s, the inverse of `outwards`."""
     twist, column = work.twist, work.column
@@ -268,7 +267,7 @@ def inwards(tree: Tree, work: TreeWork, s: Array, z: Array) -> None:
             t[free[d]] += s[d]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def carry_twist(work: TreeWork, x: int, p: int, out: Array) -> None:
     """The twist of tree body p as it is at body x that hangs on it; none where p is the ground, −1."""
     if p < 0:
@@ -286,7 +285,7 @@ def carry_twist(work: TreeWork, x: int, p: int, out: Array) -> None:
         out[3 + i] = Q[0, i] * w0 + Q[1, i] * w1 + Q[2, i] * w2
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def carry_inertia(Q: Array, arm: Array, M: Array, out: Array) -> None:
     """Add to out (6, 6) an inertia M (6, 6) on a body's twist as its carrier feels it: Xᵀ M X; M is overwritten."""
     r0, r1, r2 = arm[0], arm[1], arm[2]
@@ -332,7 +331,7 @@ def carry_inertia(Q: Array, arm: Array, M: Array, out: Array) -> None:
         out[5, 3 + j] += r0 * b1 - r1 * b0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def tree_factor(tree: Tree, sigma: float, geometric: bool, stiffness: Array, work: TreeWork) -> None:
     """SᵀŜS = L D Lᵀ with Ŝ = σM on the bodies' twists, from the leaves inwards (Eq. T10, T12).
 
@@ -367,7 +366,7 @@ def tree_factor(tree: Tree, sigma: float, geometric: bool, stiffness: Array, wor
             carry_inertia(work.rotation[x], work.arm[x], M, inertia[parent[x]])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def closure_columns(tree: Tree, A: Array, kept: IntArray, work: TreeWork) -> None:
     """L⁻¹ Sᵀ Aᵀ of every closure that is kept on the tree bodies between it and the ground, Aᵀ on blocks; A (flat) on the bodies."""
     column, columns, force = work.column, work.columns, work.path_force

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from maggi.bodies.tables import FIXED, Array, MotionState
 from maggi.liaisons.coordinates import joint_coordinate
+from maggi.linalg.compiling import inner_kernel
 from maggi.linalg.links import Link, call3
 from maggi.projection.tree_tables import GENERAL
 
@@ -28,7 +27,7 @@ from .tables import (
 FADING = 0.6  # a step, of what predictions were off by
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def best_order(small: SmallSystem, order: int, vectors: StepVectors, misses: Array) -> int:
     """The order, up to that available, by which the accelerations of the last steps would have been predicted best.
 
@@ -123,7 +122,7 @@ def accept(small: SmallSystem, state: StepState, work: StepWork, t: float) -> No
     update_scales(small, motion, vectors, state.scales)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def renew(x_next: Array, x: Array, differences: Array) -> None:
     """x becomes x_next, and `differences` (HIGHEST_ORDER, n) its backward differences ∇x … ∇⁵x."""
     for i in range(x.shape[0]):
@@ -140,7 +139,7 @@ def renew(x_next: Array, x: Array, differences: Array) -> None:
         differences[4, i] = d4
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def update_scales(small: SmallSystem, motion: MotionState, vectors: StepVectors, scales: Array) -> None:
     """Speed and acceleration of the mechanism: the largest so far, fading over some hundred steps."""
     bodies, elastic = small.step_bodies, vectors.elastic

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from maggi.bodies.tables import MESH, Array
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.liaisons.tables import ROW_HOLONOMIC
+from maggi.linalg.compiling import inner_kernel
 from maggi.linalg.links import Link, call3
 from maggi.projection.closures import (
     add_closure_forces,
@@ -23,7 +22,7 @@ from .spring_kernels import joint_spring_forces
 from .tables import BLOCK_FORCES, FIRST, SPRING_FORCES, SmallSystem, StepState, StepWork
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def shifts(small: SmallSystem, c: GeneralizedAlpha, state: StepState, work: StepWork, t: float) -> None:
     """π and κ: what closures are off by at position and velocity level, and the shifts that mend it.
 
@@ -76,7 +75,7 @@ def shifts(small: SmallSystem, c: GeneralizedAlpha, state: StepState, work: Step
         vectors.rate_shift_next[i] += work.rate_shift[i]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def add_predicted(small: SmallSystem, work: StepWork, shift: Array, before: Array, out: Array) -> None:
     """A predicted shift (m,) in the variables of `apply_compliance`, Lᵀ shift, to `before`; add A shift to out (r,)."""
     tree, rates = small.tree, work.rates
@@ -88,7 +87,7 @@ def add_predicted(small: SmallSystem, work: StepWork, shift: Array, before: Arra
         out[i] += rates[i]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def forces_on_meshes(small: SmallSystem, work: StepWork) -> None:
     """To `force` (m,) of mesh bodies what their back-substitution has not seen; to `delta` what it has found."""
     tree, bodies = small.tree, small.step_bodies

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from maggi.bodies.attachment_kernels import move_attachment
+from maggi.linalg.compiling import inner_kernel
 from maggi.linalg.links import Link, call3, call5
 from maggi.projection.tree_kernels import tree_motion
 
@@ -12,7 +11,7 @@ from .prediction import move_blocks
 from .tables import LOADS, PRESCRIBE, ROWS, SmallSystem, StepState, StepWork
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def has_forces(small: SmallSystem) -> bool:
     """Whether there are springs or loads."""
     tree = small.tree

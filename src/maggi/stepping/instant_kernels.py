@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from maggi.bodies.attachment_kernels import attachment_motion
 from maggi.bodies.tables import Array
+from maggi.linalg.compiling import inner_kernel, kernel
 from maggi.linalg.links import call3, call5
 from maggi.projection.range_space import transpose_product
 from maggi.projection.tree_kernels import add_inertia_force, carry_force
@@ -13,7 +12,7 @@ from maggi.projection.tree_kernels import add_inertia_force, carry_force
 from .tables import EVALUATE, ROWS, Instant, SmallSystem, StepState, StepWork
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def show(small: SmallSystem, t: float, state: StepState, work: StepWork, out: Instant) -> None:
     """The accepted state at time t as an instant: motion, attachments, rows and multipliers in the frames of the model.
 
@@ -41,7 +40,7 @@ def show(small: SmallSystem, t: float, state: StepState, work: StepWork, out: In
     joint_multipliers(small, state, work, out)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def to_model(small: SmallSystem, state: StepState, out: Instant) -> None:
     """`state.motion` to `out.now`, with the bodies' own frames."""
     bodies, motion, now = small.bodies, state.motion, out.now
@@ -62,7 +61,7 @@ def to_model(small: SmallSystem, state: StepState, out: Instant) -> None:
         _turn_twist(F, f, motion.vd[o : o + 6], now.vd[o : o + 6])
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _turn_twist(F: Array, f: Array, twist: Array, out: Array) -> None:
     """A twist (6,) in a frame F, f of a body as that of the body's own frame: ω = F ω', v = F v' − ω × f."""
     for i in range(3):
@@ -73,7 +72,7 @@ def _turn_twist(F: Array, f: Array, twist: Array, out: Array) -> None:
     out[2] = F[2, 0] * twist[0] + F[2, 1] * twist[1] + F[2, 2] * twist[2] - (w0 * f[1] - w1 * f[0])
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def joint_multipliers(small: SmallSystem, state: StepState, work: StepWork, out: Instant) -> None:
     """Multipliers of the tree's joints by Newton–Euler, from the leaves inwards: Aᵀλ = Q − h − M τ̇ (Eq. T11).
 
@@ -121,7 +120,7 @@ def joint_multipliers(small: SmallSystem, state: StepState, work: StepWork, out:
             out.multipliers[small.joint_row[first + i]] = right[i]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _solve(N: Array, k: int, x: Array) -> None:
     """x = N⁻¹ x in place for the leading (k, k) part of a positive definite N, which L D Lᵀ overwrites."""
     for i in range(k):

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
+from maggi.linalg.compiling import inner_kernel, kernel
 from maggi.linalg.links import call3
 
 from .evaluation import has_forces
@@ -47,7 +46,7 @@ TWICE = 1.0 / 16.0  # of the local error allowed, which a step twice as long mul
 CALM_STEPS = 4  # of that kind in a row before steps become longer
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def iterate(
     small: SmallSystem, state: StepState, work: StepWork, c: GeneralizedAlpha, t: float, tolerance: float
 ) -> tuple[int, int]:
@@ -125,7 +124,7 @@ def iterate(
     return NOT_CONVERGED, MAX_ITERATIONS
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def advance(
     small: SmallSystem,
     state: StepState,

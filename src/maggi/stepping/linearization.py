@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from maggi.linalg.compiling import inner_kernel
 from maggi.linalg.links import Link, call3
 from maggi.projection.closures import closure_compliance, closure_scale
 from maggi.projection.range_space import SUSPECT, factorise, factorise_kept, find_singular
@@ -85,7 +84,7 @@ def refresh(small: SmallSystem, state: StepState, work: StepWork, t: float) -> N
             work.flags[STEADY] = 1
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def assemble(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
     """Λ of the columns, with springs behind it."""
     closure_compliance(small.tree, small.step_bodies, work.W, work.tree, work.kept, work.product, work.L)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any, cast
 
 import numpy as np
 from numba import types
@@ -77,8 +78,8 @@ def compilations(
     steps = of_small, of_state, of_work, integer, number, integer, number
     return {
         **stages,
-        "advance": partial(advance.compile, steps),
-        "show": partial(show.compile, (of_small, number, of_state, of_work, of_instant)),
+        "advance": partial(cast(Any, advance).compile, steps),
+        "show": partial(cast(Any, show).compile, (of_small, number, of_state, of_work, of_instant)),
     }
 
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from maggi.bodies.tables import Array
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
+from maggi.linalg.compiling import inner_kernel
 from maggi.linalg.links import Link
 from maggi.linalg.rotations import exp_se3_update
 
 from .tables import BEST, ORDER, SmallSystem, StepState, StepWork
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def coefficients(work: StepWork) -> GeneralizedAlpha:
     """Those of the present step size."""
     m = work.method
@@ -55,7 +54,7 @@ def predict(small: SmallSystem, state: StepState, work: StepWork, t: float) -> N
         following[i] = last[i] + (last[i] - before[i] if order > 0 else 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def extrapolate(x: Array, differences: Array, order: int, out: Array) -> None:
     """The polynomial through the last values, one step further: x + ∇x + … + ∇ᵏx, k the order."""
     for i in range(x.shape[0]):
@@ -65,7 +64,7 @@ def extrapolate(x: Array, differences: Array, order: int, out: Array) -> None:
             out[i] += differences[k, i]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def move_blocks(small: SmallSystem, state: StepState) -> None:
     """Frames of blocks on SE(3), elastic coordinates additively, and their velocities from ν."""
     tree, bodies = small.tree, small.step_bodies

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from maggi.bodies.tables import Array
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.liaisons.tables import ROW_ANGULAR, ROW_HOLONOMIC, LiaisonState, LiaisonTable
+from maggi.linalg.compiling import inner_kernel, kernel
 
 from .tables import SmallSystem, StepState
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def scaled_residuals(liaisons: LiaisonTable, rows: LiaisonState, scales: Array, out: Array) -> None:
     """The largest |Φ|, |A v + b|, |A v̇ + γ| over size, speed and acceleration (rotations: as angles); out (3,)."""
     row = liaisons.row
@@ -32,7 +31,7 @@ def scaled_residuals(liaisons: LiaisonTable, rows: LiaisonState, scales: Array, 
         out[2] = y if not (y <= out[2]) else out[2]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def active_residuals(liaisons: LiaisonTable, rows: LiaisonState, scales: Array, pivot: Array) -> tuple[float, float]:
     """The largest scaled residual at any level of independent rows, and what those that depend on others are off by.
 
@@ -58,7 +57,7 @@ def active_residuals(liaisons: LiaisonTable, rows: LiaisonState, scales: Array, 
     return worst, dropped
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def correction_size(small: SmallSystem, c: GeneralizedAlpha, scales: Array, state: StepState, delta: Array) -> float:
     """The largest component of δ over what counts as one.
 
@@ -92,7 +91,7 @@ def correction_size(small: SmallSystem, c: GeneralizedAlpha, scales: Array, stat
     return largest
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def largest_of(delta: Array) -> float:
     """max |δ|, NaN where one is."""
     largest = 0.0
@@ -103,7 +102,7 @@ def largest_of(delta: Array) -> float:
     return largest
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def local_error(small: SmallSystem, c: GeneralizedAlpha, state: StepState) -> float:
     """The error that a step adds to positions, over the mechanism's size: |β + (½ − γ)/2 − 1/6| h² |a₁ − a₀|.
 

@@ -11,13 +11,12 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from maggi.bodies.attachment_kernels import generalised_force
 from maggi.bodies.tables import Array
 from maggi.forces.kernels import applied_forces
 from maggi.forces.tables import ForceTable
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
+from maggi.linalg.compiling import inner_kernel
 from maggi.linalg.links import Link
 from maggi.projection.closures import add_closure_force, closure_rates
 from maggi.projection.tree_tables import Tree
@@ -42,7 +41,7 @@ def loads(small: SmallSystem, state: StepState, work: StepWork, t: float) -> Non
     )
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def spring_constants(forces: ForceTable, tree: Tree, s: int) -> tuple[float, float]:
     """Stiffness and damping of the spring that is row s behind the liaisons' rows."""
     data = forces.spring_data if tree.spring[s, 0] == 0 else forces.torsion_data
@@ -50,7 +49,7 @@ def spring_constants(forces: ForceTable, tree: Tree, s: int) -> tuple[float, flo
     return data[x, 0], data[x, 1]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def joint_stiffness(small: SmallSystem, c: GeneralizedAlpha, out: Array) -> None:
     """k' of springs on single free motions of the tree's joints, out (m,)."""
     tree, data = small.tree, small.forces.torsion_data
@@ -138,7 +137,7 @@ def spring_forces(small: SmallSystem, state: StepState, work: StepWork, t: float
         add_closure_force(tree, columns, r + s, d * rates[r + s], work.force)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def joint_spring_forces(small: SmallSystem, work: StepWork) -> None:
     """Forces on single free motions that their shifts cause in springs there, to `on_joints`."""
     tree, data = small.tree, small.forces.torsion_data
