@@ -240,7 +240,7 @@ def evaluate_jet(codes: NDArray[np.int64], values: Array, variables: Array, out:
     return math.isfinite(out[0]) and math.isfinite(out[1]) and math.isfinite(out[2])
 
 
-@inner_kernel
+@kernel
 def _evaluate_many(codes: NDArray[np.int64], values: Array, times: Array, out: Array) -> None:
     for i in range(times.size):
         evaluate(codes, values, times[i], out[i])
