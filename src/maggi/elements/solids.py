@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from types import MappingProxyType
 
 import numpy as np
@@ -38,15 +38,25 @@ class SolidElement:
     """A solid element with isotropic interpolation ``N = Σ N_a I₃``.
 
     nodes : reference nodes (k, 3). values, gradients : points (p, 3) to (p, k) and (p, k, 3).
-    stiffness_rule, mass_rule : see the module's table.
+    make_stiffness_rule, make_mass_rule : the rules of the module's table, made when they are first asked for.
     """
 
     name: str
     nodes: Array
     values: Callable[[Array], Array]
     gradients: Callable[[Array], Array]
-    stiffness_rule: Rule
-    mass_rule: Rule
+    make_stiffness_rule: Callable[[], Rule]
+    make_mass_rule: Callable[[], Rule]
+
+    @cached_property
+    def stiffness_rule(self) -> Rule:
+        """Points and weights for the stiffness."""
+        return self.make_stiffness_rule()
+
+    @cached_property
+    def mass_rule(self) -> Rule:
+        """Points and weights for the mass."""
+        return self.make_mass_rule()
 
     @property
     def node_count(self) -> int:
@@ -81,39 +91,39 @@ SOLIDS: Mapping[str, SolidElement] = _registry(
         shapes.TET_CORNERS,
         shapes.tet4,
         shapes.tet4_gradients,
-        quadrature.tetrahedron(1),
-        quadrature.tetrahedron(2),
+        partial(quadrature.tetrahedron, 1),
+        partial(quadrature.tetrahedron, 2),
     ),
     SolidElement(
         "tet10",
         shapes.TET10_NODES,
         shapes.tet10,
         shapes.tet10_gradients,
-        quadrature.tetrahedron4(),
-        quadrature.tetrahedron(4),
+        quadrature.tetrahedron4,
+        partial(quadrature.tetrahedron, 4),
     ),
     SolidElement(
         "hex8",
         shapes.HEX_CORNERS,
         shapes.hex8,
         shapes.hex8_gradients,
-        quadrature.hexahedron(2),
-        quadrature.hexahedron(3),
+        partial(quadrature.hexahedron, 2),
+        partial(quadrature.hexahedron, 3),
     ),
     SolidElement(
         "hex20",
         shapes.HEX20_NODES,
         shapes.hex20,
         shapes.hex20_gradients,
-        quadrature.hexahedron(3),
-        quadrature.hexahedron(5),
+        partial(quadrature.hexahedron, 3),
+        partial(quadrature.hexahedron, 5),
     ),
     SolidElement(
         "wedge6",
         shapes.WEDGE_CORNERS,
         shapes.wedge6,
         shapes.wedge6_gradients,
-        quadrature.wedge6_point(),
-        quadrature.wedge(2, 3),
+        quadrature.wedge6_point,
+        partial(quadrature.wedge, 2, 3),
     ),
 )

@@ -1,0 +1,69 @@
+"""Rows that have long depended on others are left out of the step's factor: nothing else changes, and they come back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from linkages import four_bar
+
+from maggi.analyses.transient import prepare
+from maggi.model.simulation import Simulation
+from maggi.stepping.linearization import BETWEEN, STEADILY, UNMOVED
+from maggi.stepping.stepper import Stepper
+from maggi.stepping.tables import LOOSE, STEADY
+
+STEP, STEPS = 1e-3, 120
+REDUNDANT = 3  # of the five rows of the hinge that closes a plane loop
+
+
+def start() -> Stepper:
+    """A four-bar of revolutes in space, released."""
+    model = replace(four_bar(), gravity=(1.0, 0.5, -9.81), simulation=Simulation(1.0, STEP, tolerance=1e-11))
+    stepper, _, _, _ = prepare(model)
+    stepper.set_step(STEP)
+    return stepper
+
+
+def run(*, whole: bool) -> Stepper:
+    stepper = start()
+    for k in range(STEPS):
+        if whole:
+            stepper.work.flags[STEADY] = 0  # so that all rows are looked at in every step
+        assert stepper.advance(k * STEP, 1) == 1
+    return stepper
+
+
+def test_steps_are_the_same_with_and_without_dependent_rows() -> None:
+    short, whole = run(whole=False), run(whole=True)
+    assert (whole.work.pivot > 0.0).sum() == (short.work.pivot > 0.0).sum() == short.work.kept.size - REDUNDANT
+    for one, other in zip(short.state.now, whole.state.now, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-10 * max(1.0, float(np.abs(other).max(initial=0.0))))
+    np.testing.assert_allclose(short.multipliers()[0], whole.multipliers()[0], rtol=0, atol=1e-7)
+
+
+def test_rows_are_left_out_after_a_while_and_looked_at_now_and_then() -> None:
+    stepper = start()
+    seen = []
+    for k in range(3 * (STEADILY + BETWEEN)):
+        assert stepper.advance(k * STEP, 1) == 1
+        seen.append(int(stepper.work.flags[STEADY]))
+    assert max(seen) == STEADILY + BETWEEN - 1
+    assert seen[:STEADILY] == sorted(seen[:STEADILY])
+    assert seen.count(STEADILY - 1) + seen.count(STEADILY) >= 2  # from the last without them to the next look
+    assert stepper.work.kept.sum() == stepper.work.kept.size - REDUNDANT
+
+
+def test_rows_that_no_longer_hold_by_themselves_come_back() -> None:
+    stepper = start()
+    assert stepper.advance(0.0, 2 * STEADILY) == 2 * STEADILY
+    work = stepper.work
+    assert work.flags[STEADY] > STEADILY and work.numbers[LOOSE] <= UNMOVED
+    left_out = np.flatnonzero(work.kept == 0)
+    # as if the rows left out were others: those that are then kept are not all
+    work.kept[:] = 1
+    work.kept[(left_out - 1) % work.kept.size] = 0
+    work.numbers[LOOSE] = 10.0 * UNMOVED
+    assert stepper.advance(2 * STEADILY * STEP, 1) == 1
+    assert work.flags[STEADY] == 1
+    assert (np.flatnonzero(work.kept == 0) == left_out).all()
