@@ -30,6 +30,8 @@ DEMO = ROOT / "examples" / "slider_crank" / "slider_crank.yml"
 ARM = ROOT / "examples" / "two_link_arm" / "two_link_arm.yml"
 ONE_STEP = "simulation.duration=0.001"
 PLAIN = "import maggi"
+# As an installed program is: where Python is told to keep no bytecode, each start would compile the sources anew.
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
 ALL = "import maggi; maggi.run; maggi.Model"
 
 
@@ -49,12 +51,12 @@ class Took:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--long", action="store_true", help="fifteen processes each instead of three")
+    parser.add_argument("--long", action="store_true", help="fifteen processes each instead of five")
     parser.add_argument(
         "--no-compilation", action="store_true", help="leave out the first compilation: a minute or more"
     )
     given = parser.parse_args()
-    rounds = 15 if given.long else 3
+    rounds = 15 if given.long else 5
     table = Table("Start-up: seconds", "what", "processor", "passed", "target", "reached")
 
     def line(what: str, took: Took, target: Target | None = None) -> None:
@@ -93,7 +95,7 @@ def run_command(model: Path, setting: str, folder: str) -> list[str]:
 
 def demo(folder: str, cache: str) -> Took:
     """A short run and its plot, with a cache folder of its own."""
-    environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
+    environment = {**ENVIRONMENT, "NUMBA_CACHE_DIR": cache}
     plot = [sys.executable, "-m", "maggi", "plot", str(Path(folder) / "out.h5")]
     return call(run_command(DEMO, "simulation.duration=8e-5", folder), environment) + call(plot, environment)
 
@@ -104,7 +106,7 @@ def repeated(command: list[str], rounds: int) -> Took:
     return Took(float(np.median([t.cpu for t in taken])), float(np.median([t.wall for t in taken])))
 
 
-def call(command: list[str], environment: dict[str, str] | None = None) -> Took:
+def call(command: list[str], environment: dict[str, str] = ENVIRONMENT) -> Took:
     """Runs a command; raises where it fails."""
     before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     subprocess.run(command, check=True, capture_output=True, env=environment)
