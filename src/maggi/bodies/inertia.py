@@ -412,7 +412,7 @@ def _accelerations(drive, X, weights, moments, u, ud, udd, master, arm, out, sum
         _at_node(drive, X[n], weights[n], moments[n], tied[0], tied[1], tied[2], out[n], sums)
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, parallel=True, fastmath={"contract"})
 def _inertia_forces(  # type: ignore[no-untyped-def]
     indptr, indices, values, starts, a, X, u, master, arm, nodal, on_tied, frame, sums
 ):
@@ -424,7 +424,7 @@ def _inertia_forces(  # type: ignore[no-untyped-def]
         for n in range(starts[part], starts[part + 1]):
             y0 = y1 = y2 = 0.0
             for p in range(indptr[n], indptr[n + 1]):
-                m, value = indices[p], values[p]
+                m, value = np.uint32(indices[p]), values[p]  # unsigned: no look for places from the end
                 y0 += value * a[m, 0]
                 y1 += value * a[m, 1]
                 y2 += value * a[m, 2]

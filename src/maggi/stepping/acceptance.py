@@ -13,7 +13,6 @@ from maggi.projection.tree_tables import GENERAL
 from .tables import (
     BEST,
     BLOCK_POWER,
-    DISSIPATION,
     GIVEN_POWER,
     HIGHEST_ORDER,
     ORDER,
@@ -70,11 +69,14 @@ def best_order(small: SmallSystem, order: int, vectors: StepVectors, misses: Arr
 
 @Link
 def accept(small: SmallSystem, state: StepState, work: StepWork, t: float) -> None:
-    """Make the end of the step the present: integrate work and dissipation by the trapezoidal rule, renew the scales."""
+    """Make the end of the step the present: integrate work and dissipation by the trapezoidal rule, renew the scales.
+
+    What damping of meshes takes is added by `Stepper`.
+    """
     tree, bodies, motion, vectors, rows = small.tree, small.step_bodies, state.motion, state.vectors, state.rows
     h = work.method[0]
     given = state.power[2]  # of loads, of driven rows λᵀb, and of prescribed frames
-    taken = state.power[1] + work.numbers[DISSIPATION]
+    taken = state.power[1]
     multipliers, rhs, done = vectors.multipliers_next, rows.rhs, state.work
     for i in range(rhs.shape[0]):
         given += multipliers[i] * rhs[i]

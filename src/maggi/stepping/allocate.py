@@ -167,6 +167,6 @@ def new_work(system: System, relative: RelativeSystem) -> StepWork:
         product=np.zeros(max(widest, m)),
         method=np.zeros(6),
         flags=np.zeros(5, dtype=np.int64),
-        numbers=np.zeros(7),
+        numbers=np.zeros(6),
         misses=np.zeros(HIGHEST_ORDER + 1),
     )

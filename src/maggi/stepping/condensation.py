@@ -25,8 +25,8 @@ class Condensation:
     """Constants of a body with k attachments for one step size (Eq. T12).
 
     factor of Ŝ = k₁M + k₂K, k₁ = σ + γh·mass, k₂ = βh² + γh·stiffness. Y = PŜ⁻¹B (nd, 6k), Z = Ŝ⁻¹KY,
-    Z_D = Ŝ⁻¹DY; W, W_Z, W_D (6k, 6k): Bᵀ of them. responses (k, nd, 12 or 18): the six columns of Y, Z and, of a
-    body with damping, Z_D of every attachment side by side.
+    Z_D = Ŝ⁻¹DY; W, W_Z, W_D (6k, 6k): Bᵀ of them. responses (k, 12 or 18, nd): the six columns of Y, Z and, of a
+    body with damping, Z_D of every attachment, one after the other.
     """
 
     factor: Factor | None
@@ -39,7 +39,7 @@ class Condensation:
     def none(body: MeshBody) -> Condensation:
         """Stands where nothing has been factorised yet."""
         n = body.B.shape[1]
-        return Condensation(None, np.zeros((n // 6, 0, 12)), *np.zeros((3, n, n)))
+        return Condensation(None, np.zeros((n // 6, 12, 0)), *np.zeros((3, n, n)))
 
     @property
     def Y(self) -> Array:
@@ -54,7 +54,7 @@ class Condensation:
     @property
     def Z_D(self) -> Array:
         """Z_D (nd, 6k)."""
-        return self._columns(2) if self.responses.shape[2] == 18 else np.zeros_like(self.Y)
+        return self._columns(2) if self.responses.shape[1] == 18 else np.zeros_like(self.Y)
 
     @property
     def nbytes(self) -> int:
@@ -62,8 +62,8 @@ class Condensation:
         return self.responses.nbytes + (self.factor.nbytes if self.factor else 0)
 
     def _columns(self, which: int) -> Array:
-        part = self.responses[:, :, 6 * which : 6 * which + 6]
-        return part.transpose(1, 0, 2).reshape(part.shape[1], -1)
+        part = self.responses[:, 6 * which : 6 * which + 6]
+        return part.reshape(-1, part.shape[2]).T
 
 
 class Condensations:
@@ -119,9 +119,9 @@ class Condensations:
         body, d = self._body, self._body.damping
         n = body.B.shape[1]
         if n == 0:
-            return Condensation(factor, np.empty((0, body.size, 12)), *np.zeros((3, 0, 0)))
+            return Condensation(factor, np.empty((0, 12, body.size)), *np.zeros((3, 0, 0)))
         damped = k2 > 0.0 and (d.mass != 0.0 or d.stiffness != 0.0)
-        responses = np.zeros((n // 6, body.size, 18 if damped else 12))
+        responses = np.zeros((n // 6, 18 if damped else 12, body.size))
         Y = self._response(factor, body.B.toarray())
         _put(Y, responses, 0)
         W, W_Z, W_D = body.B.T @ Y.T, np.zeros((n, n)), np.zeros((n, n))
@@ -146,5 +146,4 @@ class Condensations:
 
 
 def _put(rows: Array, responses: Array, which: int) -> None:
-    for k, part in enumerate(responses):
-        part[:, 6 * which : 6 * which + 6] = rows[6 * k : 6 * k + 6].T
+    responses[:, 6 * which : 6 * which + 6] = rows.reshape(len(responses), 6, -1)

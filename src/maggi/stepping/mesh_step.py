@@ -24,7 +24,7 @@ from .tables import StepVectors
 Array = NDArray[np.float64]
 
 # Below this number of freedoms a second thread costs more than it does, many times so on a busy machine.
-THREADED = 30_000
+THREADED = 8_000
 PARTS = 16  # of the freedoms, summed separately so that sums do not depend on the number of threads
 
 
@@ -57,12 +57,14 @@ class MeshStep:
         size = body.size
         self.u, self.ud, self.udd, self.a, self.a_previous = (np.zeros(size) for _ in range(5))
         self.u_next, self.ud_next, self.udd_next, self.a_next = (np.zeros(size) for _ in range(4))
+        self._shift, self._rate_shift = np.zeros(size), np.zeros(size)
         self.force = np.zeros(size) if force is None else force
         self.solution = np.zeros(size)
         self.correction = self.deflection = 0.0
         self._sizes = np.zeros((PARTS, 2))
         self._frame = np.zeros(6)
         self._scratch = np.zeros(size) if body.damping.mass or body.damping.stiffness else self.force
+        self._dissipation: float | None = None  # at the present, where it is known
         self.threaded = body.size >= THREADED
         self.constants = Condensation.none(body)
 
@@ -107,7 +109,7 @@ class MeshStep:
     def residual(self, c: GeneralizedAlpha, motion: MotionState, gravity: Array, base: Array, W: Array) -> None:
         """Residual at the end of the step without forces at the attachments, ``force = Pᵀ(M a + K u + D u̇)``.
 
-        Sets the frame's residual in `base`, and in W the frame's own block about the deformed shape, ``(σ J₆(c))⁻¹``,
+        What damping takes at the beginning of the step is found on the way, while K is read. Sets the frame's residual in `base`, and in W the frame's own block about the deformed shape, ``(σ J₆(c))⁻¹``,
         zero where the frame is prescribed.
         """
         body, o = self.body, self._offset
@@ -126,7 +128,11 @@ class MeshStep:
             np.multiply(self.ud_next, d.stiffness, out=self._scratch)
             self._scratch += self.u_next
             strained = self._scratch
-        self.shared.stiffness.add_product(strained, self.force)
+        if d.stiffness and self._dissipation is None:
+            square = self.shared.stiffness.add_product_and_square(strained, self.force, self.ud)
+            self._dissipation = d.stiffness * square + self._mass_dissipation()
+        else:
+            self.shared.stiffness.add_product(strained, self.force)
         if body.floating:
             body.axes.project_forces(self.force)
             width = self._end - self._start
@@ -153,6 +159,8 @@ class MeshStep:
             self.ud_next,
             self.udd_next,
             self.a_next,
+            self._shift,
+            self._rate_shift,
             self._sizes,
         )
         self.correction = float(np.sqrt(self._sizes[:, 0].sum() / self.u.size))
@@ -178,6 +186,7 @@ class MeshStep:
         self.u, self.u_next = self.u_next, self.u
         self.ud, self.ud_next = self.ud_next, self.ud
         self.udd, self.udd_next = self.udd_next, self.udd
+        self._dissipation = None
 
     def settle(self) -> None:
         """Project u and u̇ on the mean axes again: round-off lets Cᵀu drift."""
@@ -203,19 +212,20 @@ class MeshStep:
     # energies of the present
 
     def dissipation(self) -> float:
-        """Power (W) that the body's damping takes at the end of the step."""
-        d = self.body.damping
-        if not (d.mass or d.stiffness):
+        """Power (W) that the body's damping takes now; costs a product with K unless a residual has been evaluated since."""
+        if self._dissipation is None:
+            self._dissipation = self._mass_dissipation()
+            if self.body.damping.stiffness:
+                self._scratch[:] = 0.0
+                self.shared.stiffness.add_product(self.ud, self._scratch)
+                self._dissipation += self.body.damping.stiffness * inner_product(self.ud, self._scratch)
+        return self._dissipation
+
+    def _mass_dissipation(self) -> float:
+        if not self.body.damping.mass:
             return 0.0
-        power = 0.0
-        if d.mass:
-            self.body.inertia.multiply_mass(self.ud_next, self._scratch)
-            power += d.mass * inner_product(self.ud_next, self._scratch)
-        if d.stiffness:
-            self._scratch[:] = 0.0
-            self.shared.stiffness.add_product(self.ud_next, self._scratch)
-            power += d.stiffness * inner_product(self.ud_next, self._scratch)
-        return power
+        self.body.inertia.multiply_mass(self.ud, self._scratch)
+        return self.body.damping.mass * inner_product(self.ud, self._scratch)
 
     def energies(self, motion: MotionState, gravity: Array) -> tuple[float, float, float]:
         """Kinetic, strain and gravity energy (J) now."""

@@ -13,6 +13,8 @@ from maggi.integrators.generalized_alpha import GeneralizedAlpha
 
 Array = NDArray[np.float64]
 
+CACHED = 512  # freedoms that a pass over many fields takes at a time, so that what it reads twice is still at hand
+
 
 @njit(cache=True)
 def predict_nodal(
@@ -37,7 +39,33 @@ def predict_nodal(
         u_next[i] = u[i] + c.h * ud[i] + c.h * c.h * ((0.5 - c.beta) * a[i] + c.beta * b)
 
 
-@njit(cache=True, parallel=True, fastmath={"contract", "reassoc"})
+@njit(cache=True, fastmath={"contract"})
+def _add_columns(columns: Array, weights: Array, here: slice, out: Array) -> None:
+    """``out += columnsᵀ weights`` of the freedoms here; columns (6, nd), weights (6,).
+
+    One array is written, and all are read from their beginning: such a loop LLVM vectorises.
+    """
+    y0, y1, y2, y3, y4, y5 = (
+        columns[0][here],
+        columns[1][here],
+        columns[2][here],
+        columns[3][here],
+        columns[4][here],
+        columns[5][here],
+    )
+    w0, w1, w2, w3, w4, w5 = weights[0], weights[1], weights[2], weights[3], weights[4], weights[5]
+    for i in range(out.size):
+        out[i] += y0[i] * w0 + y1[i] * w1 + y2[i] * w2 + y3[i] * w3 + y4[i] * w4 + y5[i] * w5
+
+
+@njit(cache=True, fastmath={"contract"})
+def _subtract(factor: float, x: Array, out: Array) -> None:
+    """``out −= factor x``."""
+    for i in range(out.size):
+        out[i] -= factor * x[i]
+
+
+@njit(cache=True, parallel=True, fastmath={"contract"})
 def correct_nodal(
     c: GeneralizedAlpha,
     x: Array,
@@ -49,13 +77,15 @@ def correct_nodal(
     ud_next: Array,
     udd_next: Array,
     a_next: Array,
+    shift: Array,
+    rate_shift: Array,
     sizes: Array,
 ) -> None:
     """δ = −x − Yφ − Zπ − Z_Dκ and what follows from it, with the shifts Yπ, Yκ (Theory §5, step 6).
 
-    responses (k, nd, 12 or 18): Y, Z and, with damping, Z_D of one attachment side by side. force, position_force,
-    velocity_force (6k,): φ, π, κ. sizes (p, 2): sums of δ² and the largest |u| of p equal parts of the freedoms,
-    so that their sum does not depend on the threads.
+    x (nd,) becomes −δ. responses (k, 12 or 18, nd): the columns of Y, Z and, with damping, Z_D of one attachment. force,
+    position_force, velocity_force (6k,): φ, π, κ. shift, rate_shift (nd,): scratch. sizes (p, 2): sums of δ² and the
+    largest |u| of p equal parts of the freedoms, so that their sum does not depend on the threads.
     """
     parts = sizes.shape[0]
     loaded = np.empty(responses.shape[0], np.int64)
@@ -66,31 +96,35 @@ def correct_nodal(
                 loaded[count] = k
                 count += 1
                 break
-    damped = responses.shape[2] == 18
+    damped = responses.shape[1] == 18
     for part in prange(parts):
         total = 0.0
         largest = 0.0
-        for i in range(x.size * part // parts, x.size * (part + 1) // parts):
-            delta = x[i]
-            shift = 0.0
-            rate_shift = 0.0
-            for k in range(count):
-                first = 6 * loaded[k]
-                row = responses[loaded[k], i]
-                for j in range(6):
-                    y = row[j]
-                    delta += y * force[first + j] + row[6 + j] * position_force[first + j]
-                    shift += y * position_force[first + j]
-                    rate_shift += y * velocity_force[first + j]
+        end = x.size * (part + 1) // parts
+        for first in range(x.size * part // parts, end, CACHED):
+            here = slice(first, min(first + CACHED, end))
+            negative, moved, quickened = x[here], shift[here], rate_shift[here]
+            moved[:] = 0.0
+            quickened[:] = 0.0
+            for place in range(count):
+                k = loaded[place]
+                columns, these = responses[k], slice(6 * k, 6 * k + 6)
+                _add_columns(columns[:6], force[these], here, negative)
+                _add_columns(columns[6:12], position_force[these], here, negative)
                 if damped:
-                    for j in range(6):
-                        delta += row[12 + j] * velocity_force[first + j]
-            total += delta * delta
-            a_next[i] -= delta
-            udd_next[i] -= c.sigma * delta
-            ud_next[i] -= c.gamma * c.h * delta - rate_shift
-            u_next[i] -= c.beta * c.h * c.h * delta - shift
-            largest = max(largest, abs(u_next[i]))
+                    _add_columns(columns[12:18], velocity_force[these], here, negative)
+                _add_columns(columns[:6], position_force[these], here, moved)
+                _add_columns(columns[:6], velocity_force[these], here, quickened)
+            _subtract(1.0, negative, a_next[here])
+            _subtract(c.sigma, negative, udd_next[here])
+            _subtract(c.gamma * c.h, negative, ud_next[here])
+            _subtract(-1.0, quickened, ud_next[here])
+            _subtract(c.beta * c.h * c.h, negative, u_next[here])
+            _subtract(-1.0, moved, u_next[here])
+            for i in range(negative.size):
+                total += negative[i] * negative[i]
+            for value in u_next[here]:
+                largest = max(largest, abs(value))
         sizes[part, 0] = total
         sizes[part, 1] = largest
 

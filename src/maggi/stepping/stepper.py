@@ -28,7 +28,7 @@ from .instant_kernels import show, to_model
 from .linking import link
 from .policy import MOST, SolvePolicy
 from .residuals import local_error, scaled_residuals
-from .tables import BEST, BOUND, CALM, DISSIPATION, ERROR, HIGHEST_ORDER, ORDER
+from .tables import BEST, BOUND, CALM, ERROR, HIGHEST_ORDER, ORDER
 
 if TYPE_CHECKING:
     from .mesh_groups import MeshGroup
@@ -95,6 +95,9 @@ class Stepper:
         self._tolerance = tolerance
         self._announce = announce
         self._alike = 0  # how many accelerations before the last belong to the same step size
+        # power (W) that damping of the meshes took at the last instant whose dissipation is in the balance, and the step
+        # (s) made since
+        self._dissipation, self._unaccounted = 0.0, 0.0
 
     def set_step(self, h: float) -> None:
         """Prepare for steps of size h (s): matrices of all bodies, factorised once."""
@@ -150,6 +153,7 @@ class Stepper:
         for mesh in self.meshes:
             mesh.write_small(self.trial.accepted, vectors)
         self._alike = 0
+        self._account()
         self._show(t)
 
     def _show(self, t: float) -> None:
@@ -195,26 +199,34 @@ class Stepper:
         """After `done` of `steps` steps from time t: renew `state`, and keep what a step that failed has tried."""
         if done < steps:
             to_model(self.small, self.trial, self.tried)
+        self._account()
         self._show(t + done * self.coefficients.h)
 
     def _phase(self, phase: int, c: GeneralizedAlpha, end: float) -> tuple[int, int]:
         """One phase of the small system's step that ends at time `end`; returns (reason, corrections)."""
-        dissipation = math.fsum(mesh.dissipation() for mesh in self.meshes) if phase == iteration.ACCEPT else 0.0
-        reason, _, corrections = self._kernel(phase, c, end - c.h, 1, dissipation)
+        reason, _, corrections = self._kernel(phase, c, end - c.h, 1)
         return reason, corrections
 
-    def _kernel(
-        self, phase: int, c: GeneralizedAlpha, t: float, steps: int, dissipation: float = 0.0
-    ) -> tuple[int, int, int]:
+    def _kernel(self, phase: int, c: GeneralizedAlpha, t: float, steps: int) -> tuple[int, int, int]:
         """The compiled step on this system's tables and state; see `iteration.advance`."""
         work = self.work
         work.method[:] = c
         work.flags[ORDER] = min(self._alike, HIGHEST_ORDER)
         if self.meshes:  # whose nodal accelerations are predicted by a line
             work.flags[BEST] = 1
-        work.numbers[DISSIPATION] = dissipation
         reason, done, corrections = iteration.advance(self.small, self.trial, work, phase, t, steps, self._tolerance)
         return reason, done, corrections
+
+    def _account(self) -> None:
+        """Integrate what damping of the meshes has taken up to the present, by the trapezoidal rule.
+
+        A step later than the rest of the balance, where the next residual finds the power on its way.
+        """
+        if not self.meshes:
+            return
+        power = math.fsum(mesh.dissipation() for mesh in self.meshes)
+        self.trial.work[1] += 0.5 * self._unaccounted * (self._dissipation + power)
+        self._dissipation, self._unaccounted = power, 0.0
 
     def _mesh_steps(self, t: float, steps: int) -> int:
         for k in range(steps):
@@ -237,7 +249,9 @@ class Stepper:
             self.reason = iteration.TOO_LARGE
             return False
         self.policy.accepted()
+        self._account()
         self._phase(iteration.ACCEPT, c, t)
+        self._unaccounted = c.h
         for mesh in self.meshes:
             mesh.accept()
         self.counts.steps += 1

@@ -23,10 +23,10 @@ HIGHEST_ORDER = 5  # of the polynomials that a step is predicted by, and so the 
 # others.
 FIRST, ORDER, CALM, BEST, STEADY = 0, 1, 2, 3, 4
 
-# StepWork.numbers: sine of the smallest angle between rows; powers (W): that damping of meshed bodies takes, that prescribed
-# frames give, that damping of Ritz bodies takes; the local error that a step may make, 0 for steps of one size, and the one
-# that the last has made; what dependent rows are off by.
-SINE, DISSIPATION, GIVEN_POWER, TAKEN_POWER, BOUND, ERROR, LOOSE = 0, 1, 2, 3, 4, 5, 6
+# StepWork.numbers: sine of the smallest angle between rows; powers (W): that prescribed frames give, that damping of Ritz
+# bodies takes; the local error that a step may make, 0 for steps of one size, and the one that the last has made; what
+# dependent rows are off by.
+SINE, GIVEN_POWER, TAKEN_POWER, BOUND, ERROR, LOOSE = 0, 1, 2, 3, 4, 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +149,7 @@ class StepWork(Table):
     given (n,): forces Aᵀλ − Q on bodies; loads (n,): Q. stiffness, on_joints (m,): of springs on single free motions, and
     their forces. shift_before, rate_shift_before (m,): what was predicted of `shift`, `rate_shift`. The rest are
     vectors of one iteration; product (n,): room for kernels. method (6,): coefficients of the step;
-    flags (5,), numbers (7,): see above. misses (HIGHEST_ORDER + 1,): what predictions of each order were off by lately.
+    flags (5,), numbers (6,): see above. misses (HIGHEST_ORDER + 1,): what predictions of each order were off by lately.
     """
 
     tree: TreeWork
