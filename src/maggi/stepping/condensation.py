@@ -25,8 +25,8 @@ class Condensation:
     """Constants of a body with k attachments for one step size (Eq. T12).
 
     factor of Ŝ = k₁M + k₂K, k₁ = σ + γh·mass, k₂ = βh² + γh·stiffness. Y = PŜ⁻¹B (nd, 6k), Z = Ŝ⁻¹KY,
-    Z_D = Ŝ⁻¹DY; W, W_Z, W_D (6k, 6k): Bᵀ of them. responses (k, 12 or 18, nd): the six columns of Y, Z and, of a
-    body with damping, Z_D of every attachment, one after the other.
+    Z_D = Ŝ⁻¹DY = y Y + z Z, damping being (y, z); W, W_Z, W_D (6k, 6k): Bᵀ of them. responses (k, 12, nd): the six
+    columns of Y and those of Z of every attachment.
     """
 
     factor: Factor | None
@@ -34,6 +34,7 @@ class Condensation:
     W: Array
     W_Z: Array
     W_D: Array
+    damping: tuple[float, float] = (0.0, 0.0)
 
     @staticmethod
     def none(body: MeshBody) -> Condensation:
@@ -54,7 +55,8 @@ class Condensation:
     @property
     def Z_D(self) -> Array:
         """Z_D (nd, 6k)."""
-        return self._columns(2) if self.responses.shape[1] == 18 else np.zeros_like(self.Y)
+        y, z = self.damping
+        return y * self.Y + z * self.Z
 
     @property
     def nbytes(self) -> int:
@@ -120,21 +122,19 @@ class Condensations:
         n = body.B.shape[1]
         if n == 0:
             return Condensation(factor, np.empty((0, 12, body.size)), *np.zeros((3, 0, 0)))
-        damped = k2 > 0.0 and (d.mass != 0.0 or d.stiffness != 0.0)
-        responses = np.zeros((n // 6, 18 if damped else 12, body.size))
+        responses = np.zeros((n // 6, 12, body.size))
         Y = self._response(factor, body.B.toarray())
         _put(Y, responses, 0)
-        W, W_Z, W_D = body.B.T @ Y.T, np.zeros((n, n)), np.zeros((n, n))
-        if k2 > 0.0:
-            Z = self._response(factor, body.K @ Y.T)
-            _put(Z, responses, 1)
-            W_Z = body.B.T @ Z.T
-            if damped:
-                Z *= d.stiffness - d.mass * k2 / k1
-                Z += d.mass / k1 * Y
-                _put(Z, responses, 2)
-                W_D = body.B.T @ Z.T
-        return Condensation(factor, responses, 0.5 * (W + W.T), W_Z, W_D)
+        W = body.B.T @ Y.T
+        W = 0.5 * (W + W.T)
+        if k2 == 0.0:
+            return Condensation(factor, responses, W, *np.zeros((2, n, n)))
+        Z = self._response(factor, body.K @ Y.T)
+        _put(Z, responses, 1)
+        W_Z = body.B.T @ Z.T
+        # D = mass M + stiffness K on mean axes, and M = (Ŝ − k₂K)/k₁
+        damping = d.mass / k1, d.stiffness - d.mass * k2 / k1
+        return Condensation(factor, responses, W, W_Z, damping[0] * W + damping[1] * W_Z, damping)
 
     def _response(self, factor: Factor, forces: Array) -> Array:
         """P Ŝ⁻¹ forces, for forces (nd, n); a row for every one of them."""

@@ -152,6 +152,7 @@ class MeshStep:
             c,
             self.solution,
             self.constants.responses,
+            self.constants.damping,
             force[part],
             position_force[part],
             velocity_force[part],

@@ -58,6 +58,30 @@ def _add_columns(columns: Array, weights: Array, here: slice, out: Array) -> Non
         out[i] += y0[i] * w0 + y1[i] * w1 + y2[i] * w2 + y3[i] * w3 + y4[i] * w4 + y5[i] * w5
 
 
+@njit(cache=True)
+def inner_product(x: Array, y: Array) -> float:
+    """x · y, in one order: BLAS would share it among its threads."""
+    total = 0.0
+    for i in range(x.size):
+        total += x[i] * y[i]
+    return total
+
+
+@njit(cache=True)
+def _clear(out: Array) -> None:
+    for i in range(out.size):
+        out[i] = 0.0
+
+
+@njit(cache=True)
+def _largest(x: Array) -> float:
+    """The largest absolute value."""
+    largest = 0.0
+    for i in range(x.size):
+        largest = max(largest, abs(x[i]))
+    return largest
+
+
 @njit(cache=True, fastmath={"contract"})
 def _subtract(factor: float, x: Array, out: Array) -> None:
     """``out −= factor x``."""
@@ -70,6 +94,7 @@ def correct_nodal(
     c: GeneralizedAlpha,
     x: Array,
     responses: Array,
+    damping: tuple[float, float],
     force: Array,
     position_force: Array,
     velocity_force: Array,
@@ -83,9 +108,9 @@ def correct_nodal(
 ) -> None:
     """δ = −x − Yφ − Zπ − Z_Dκ and what follows from it, with the shifts Yπ, Yκ (Theory §5, step 6).
 
-    x (nd,) becomes −δ. responses (k, 12 or 18, nd): the columns of Y, Z and, with damping, Z_D of one attachment. force,
-    position_force, velocity_force (6k,): φ, π, κ. shift, rate_shift (nd,): scratch. sizes (p, 2): sums of δ² and the
-    largest |u| of p equal parts of the freedoms, so that their sum does not depend on the threads.
+    x (nd,) becomes −δ. responses (k, 12, nd), damping (2,): see `Condensation`. force, position_force, velocity_force
+    (6k,): φ, π, κ. shift, rate_shift (nd,): scratch. sizes (p, 2): sums of δ² and the largest |u| of p equal parts of
+    the freedoms, so that their sum does not depend on the threads.
     """
     parts = sizes.shape[0]
     loaded = np.empty(responses.shape[0], np.int64)
@@ -96,7 +121,10 @@ def correct_nodal(
                 loaded[count] = k
                 count += 1
                 break
-    damped = responses.shape[1] == 18
+    of_Y, of_Z = np.empty(force.size), np.empty(force.size)
+    for j in range(force.size):
+        of_Y[j] = force[j] + damping[0] * velocity_force[j]
+        of_Z[j] = position_force[j] + damping[1] * velocity_force[j]
     for part in prange(parts):
         total = 0.0
         largest = 0.0
@@ -104,15 +132,13 @@ def correct_nodal(
         for first in range(x.size * part // parts, end, CACHED):
             here = slice(first, min(first + CACHED, end))
             negative, moved, quickened = x[here], shift[here], rate_shift[here]
-            moved[:] = 0.0
-            quickened[:] = 0.0
+            _clear(moved)
+            _clear(quickened)
             for place in range(count):
                 k = loaded[place]
                 columns, these = responses[k], slice(6 * k, 6 * k + 6)
-                _add_columns(columns[:6], force[these], here, negative)
-                _add_columns(columns[6:12], position_force[these], here, negative)
-                if damped:
-                    _add_columns(columns[12:18], velocity_force[these], here, negative)
+                _add_columns(columns[:6], of_Y[these], here, negative)
+                _add_columns(columns[6:], of_Z[these], here, negative)
                 _add_columns(columns[:6], position_force[these], here, moved)
                 _add_columns(columns[:6], velocity_force[these], here, quickened)
             _subtract(1.0, negative, a_next[here])
@@ -121,10 +147,8 @@ def correct_nodal(
             _subtract(-1.0, quickened, ud_next[here])
             _subtract(c.beta * c.h * c.h, negative, u_next[here])
             _subtract(-1.0, moved, u_next[here])
-            for i in range(negative.size):
-                total += negative[i] * negative[i]
-            for value in u_next[here]:
-                largest = max(largest, abs(value))
+            total += inner_product(negative, negative)
+            largest = max(largest, _largest(u_next[here]))
         sizes[part, 0] = total
         sizes[part, 1] = largest
 
@@ -137,15 +161,6 @@ def attachment_values(indptr: Array, indices: Array, values: Array, factor: floa
         for p in range(indptr[j], indptr[j + 1]):
             total += values[p] * x[indices[p]]
         out[j] = factor * total
-
-
-@njit(cache=True)
-def inner_product(x: Array, y: Array) -> float:
-    """x · y, in one order: BLAS would share it among its threads."""
-    total = 0.0
-    for i in range(x.size):
-        total += x[i] * y[i]
-    return total
 
 
 @njit(cache=True)
