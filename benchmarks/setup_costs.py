@@ -41,7 +41,7 @@ MEMORY = Target(1.3, at_most=True)
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--long", action="store_true", help="memory at 95,000 freedoms instead of 30,000; nine rounds")
+    parser.add_argument("--long", action="store_true", help="nine rounds")
     parser.add_argument("--child", type=int, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.child:
@@ -52,7 +52,7 @@ def main() -> None:
     body = two_ended(cells_for(95_000, "tet10"))
     factor(table, body)
     modes(table, body)
-    memory(table, 95_000 if given.long else 30_000)
+    memory(table, 95_000)
     table.note("Seconds, tet10; for memory, MB.")
     table.show()
 

@@ -19,14 +19,19 @@ class ShiftedFactors:
         self._K = K
         self._pattern: Pattern | None = None
 
-    def factorise(self, k1: float, M: sp.csr_matrix, k2: float) -> Factor:
-        """M (n, n): its entries stand in blocks that K has; rows of both are sorted. See `linalg.factor.factorise`."""
+    def sum(self, k1: float, M: sp.csr_matrix, k2: float) -> Array:
+        """The entries of k₁ M + k₂ K that `factorise` takes. M (n, n): its entries stand in blocks that K has; both sorted."""
         K = self._K
         indptr, indices, values = _upper_sum(K.indptr, K.indices, K.data, k2, M.indptr, M.indices, M.data, k1)
         if indptr[-1] < 0:
             raise ValueError("M has entries where K has none, or K no diagonal")
         if self._pattern is None:
             self._pattern = Pattern(indptr, indices)
+        return np.asarray(values)
+
+    def factorise(self, values: Array) -> Factor:
+        """The factor of a sum; M need not be held meanwhile. See `linalg.factor.factorise`."""
+        assert self._pattern is not None
         return self._pattern.factorise(values)
 
 

@@ -104,7 +104,7 @@ class Condensations:
 
     def factorise(self, k1: float, k2: float) -> Factor:
         """The factor of k₁M + k₂K."""
-        return self._factors.factorise(k1, self._body.inertia.matrix, k2)
+        return self._factors.factorise(self._factors.sum(k1, self._body.inertia.matrix, k2))
 
     def _make_room(self) -> None:
         """Before another is made, which will be about as large as the last."""

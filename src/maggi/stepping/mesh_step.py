@@ -76,6 +76,10 @@ class MeshStep:
         self._use(self.shared.of(c), W, W_Z, W_D)
         return fresh
 
+    def release(self) -> None:
+        """Let go of the constants in use, so that they and those which will replace them need not be held together."""
+        self.constants = Condensation.none(self.body)
+
     def prepare_start(self, W: Array) -> None:
         """Constants of the instant (h = 0): Ŝ = M."""
         self._use(self.shared.at_rest(), W, np.zeros(W.size), np.zeros(W.size))

@@ -113,6 +113,8 @@ class Stepper:
         c, work = self.coefficients, self.work
         self._condense(c)
         for mesh in self.meshes:
+            mesh.release()
+        for mesh in self.meshes:
             if not mesh.shared.has(c):
                 self._announce(f"factorising {mesh.body.name} ({mesh.body.size:,} freedoms)")
             self.counts.factorisations += mesh.prepare(c, work.W, work.W_Z, work.W_D)
