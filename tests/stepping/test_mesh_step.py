@@ -1,0 +1,58 @@
+"""What damping of a mesh takes: found a step later, while K is read for the next residual."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from maggi.analyses.transient import prepare
+from maggi.model.attachments import Attachment, NamedSet
+from maggi.model.bodies import ElasticBody
+from maggi.model.joints import End, Joint
+from maggi.model.materials import Damping, Material
+from maggi.model.meshes import BoxMesh
+from maggi.model.model import Model
+from maggi.model.simulation import Simulation
+from maggi.stepping.stepper import Stepper
+
+STEP, STEPS = 1e-3, 12
+DAMPING = [Damping(stiffness=1e-5), Damping(mass=2.0), Damping(mass=2.0, stiffness=1e-5)]
+
+
+def falling_bar(damping: Damping) -> Stepper:
+    body = ElasticBody(
+        BoxMesh((0.5, 0.02, 0.02), (4, 1, 1), "hex20"),
+        Material(2700.0, 7e9, 0.3, damping),
+        attachments={"root": Attachment(nodes=NamedSet("x_min"))},
+    )
+    hinge = Joint("revolute", End("ground"), End("bar", "root"), axis=(0.0, 1.0, 0.0))
+    model = Model({"bar": body}, {"hinge": hinge}, gravity=(0.0, 0.0, -9.81), simulation=Simulation(1.0, STEP))
+    stepper = prepare(model)[0]
+    stepper.set_step(STEP)
+    return stepper
+
+
+@pytest.mark.parametrize("damping", DAMPING, ids=["stiffness", "mass", "both"])
+def test_dissipated_energy_is_the_trapezoidal_sum_of_powers(damping: Damping) -> None:
+    stepper = falling_bar(damping)
+    mesh = stepper.meshes[0]
+    D = damping.mass * mesh.body.inertia.matrix + damping.stiffness * mesh.body.K
+    powers = [mesh.ud @ (D @ mesh.ud)]
+    for k in range(STEPS):
+        assert stepper.advance(k * STEP, 1) == 1
+        powers.append(mesh.ud @ (D @ mesh.ud))
+    expected = STEP * (0.5 * powers[0] + sum(powers[1:-1]) + 0.5 * powers[-1])
+    assert expected > 0.0
+    assert stepper.trial.work[1] == pytest.approx(expected, rel=1e-11)
+    assert mesh.dissipation() == pytest.approx(powers[-1], rel=1e-11)
+
+
+@pytest.mark.parametrize("damping", DAMPING, ids=["stiffness", "mass", "both"])
+def test_dissipated_energy_does_not_depend_on_how_a_run_is_split(damping: Damping) -> None:
+    whole, split = falling_bar(damping), falling_bar(damping)
+    assert whole.advance(0.0, STEPS) == STEPS
+    for first, count in ((0, 1), (1, 4), (5, STEPS - 5)):
+        assert split.advance(first * STEP, count) == count
+    np.testing.assert_array_equal(whole.meshes[0].ud, split.meshes[0].ud)
+    assert whole.trial.work[1] == pytest.approx(split.trial.work[1], rel=1e-12)
+    assert whole.trial.work[1] > 0.0
