@@ -70,7 +70,7 @@ def run(model, recorder, progress, *, stop=None):
             raise KeyboardInterrupt
         if "slow" in model.title:
             try:
-                time.sleep(0.05)
+                time.sleep(0.05 if step < 10 else 5.0)  # whoever interrupts it may be kept waiting himself
             except KeyboardInterrupt:
                 recorder.end("interrupted")
                 raise
