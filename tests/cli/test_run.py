@@ -106,7 +106,11 @@ def test_output_that_cannot_be_written(shell, output, message):
 
 def test_control_c(tmp_path):
     (tmp_path / "model.yml").write_text(titled("slow"))
-    script = "import fake_core; fake_core.install(); from maggi.cli.main import main; main(['run', 'model.yml'])"
+    # a shell without job control starts what it starts in the background deaf to Control-C, and so would be this child
+    hear = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    script = (
+        f"{hear}; import fake_core; fake_core.install(); from maggi.cli.main import main; main(['run', 'model.yml'])"
+    )
     support = str(Path(fake_core.__file__).parent)
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(maggi.__file__).parents[1]), support])}
     process = subprocess.Popen(
