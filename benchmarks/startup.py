@@ -30,9 +30,9 @@ DEMO = ROOT / "examples" / "slider_crank" / "slider_crank.yml"
 ARM = ROOT / "examples" / "two_link_arm" / "two_link_arm.yml"
 ONE_STEP = "simulation.duration=0.001"
 PLAIN = "import maggi"
+ALL = "import maggi; maggi.run; maggi.Model"
 # As an installed program is: where Python is told to keep no bytecode, each start would compile the sources anew.
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-ALL = "import maggi; maggi.run; maggi.Model"
 
 
 @dataclass(frozen=True)

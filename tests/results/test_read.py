@@ -14,7 +14,7 @@ import maggi
 from maggi.model.errors import ModelError
 from maggi.results.memory import MemoryRecorder
 from maggi.results.read import read
-from maggi.results.results import Frames
+from maggi.results.source import Frames
 from maggi.results.store import FileRecorder
 
 ROWS = 25

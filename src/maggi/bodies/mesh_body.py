@@ -21,10 +21,12 @@ from maggi.model.errors import MeshError, ModelError
 from maggi.model.materials import Damping, Material
 from maggi.model.meshes import BeamMesh
 
+from .beam_inertia import BeamInertia
 from .couplings import Coupling, averaging_weights, make_coupling, refuse_overlap
 from .freedoms import Freedoms
-from .inertia import BeamInertia, IsotropicInertia, MeshInertia
+from .isotropic_inertia import IsotropicInertia
 from .mean_axes import MeanAxes
+from .mesh_inertia import MeshInertia
 
 Array = NDArray[np.float64]
 

@@ -1,6 +1,6 @@
 """Matrix products of the hot loop: y = K x in place, on all threads, half of K read.
 
-They are bound by memory: a 3×3 block costs 76 bytes. Rows are shared among a fixed number of parts by stored entries,
+A 3×3 block costs 76 bytes and 18 multiplications: large meshes are bound by memory, small ones by arithmetic. Rows are shared among a fixed number of parts by stored entries,
 so that results do not depend on the number of threads. Nothing is allocated.
 """
 
@@ -20,6 +20,7 @@ IntArray = NDArray[np.int32]
 
 PARTS = 4  # of a triangle's rows; each costs a field to add up
 SMALL = 1000  # nodes below which one part does
+NONE = np.empty(0)  # in place of the vector of a square that is not asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,20 +57,18 @@ class SymmetricBlocks:
 
     def add_product(self, x: Array, out: Array) -> None:
         """``out += K x``; x and out are C-contiguous, (3n,)."""
-        size = 3 * (self.indptr.size - 1)
-        _check(size, x, out)
-        rows = self.indptr, self.indices, self.blocks, self.starts, self.ends
-        _symmetric_product(*rows, x.reshape(-1, 3), self.sums, out.reshape(-1, 3))
+        self._add(x, out, NONE)
 
     def add_product_and_square(self, x: Array, out: Array, v: Array) -> float:
         """``out += K x``, and returns vᵀK v: K is read once, and both take 1.3 times as long as the product; (3n,)."""
-        size = 3 * (self.indptr.size - 1)
-        _check(size, x, out)
-        _check(size, v, out)
-        rows = self.indptr, self.indices, self.blocks, self.starts, self.ends
-        fields = x.reshape(-1, 3), v.reshape(-1, 3)
-        _symmetric_product_and_square(*rows, *fields, self.sums, self.squares, out.reshape(-1, 3))
+        _check(x.size, v, out)
+        self._add(x, out, v)
         return math.fsum(self.squares)
+
+    def _add(self, x: Array, out: Array, v: Array) -> None:
+        _check(3 * (self.indptr.size - 1), x, out)
+        rows = self.indptr, self.indices, self.blocks, self.starts, self.ends
+        _symmetric_product(*rows, x.reshape(-1, 3), v.reshape(-1, 3), self.sums, self.squares, out.reshape(-1, 3))
 
 
 def _check(size: int, x: Array, out: Array) -> None:
@@ -123,67 +122,41 @@ def _add_transposed(b, x0, x1, x2, y):  # type: ignore[no-untyped-def]
     y[2] += b[0, 2] * x0 + b[1, 2] * x1 + b[2, 2] * x2
 
 
-@numba.njit(cache=True, parallel=True)
-def _add_sums(starts, ends, sums, out):  # type: ignore[no-untyped-def]
-    """Adds to out (n, 3) what the parts have made of it, in their order."""
-    for n in numba.prange(out.shape[0]):
-        for part in range(starts.size - 1):
-            if starts[part] <= n < ends[part]:
-                for i in range(3):
-                    out[n, i] += sums[part, n, i]
-
-
 @numba.njit(cache=True, parallel=True, fastmath={"contract"})
-def _symmetric_product(indptr, indices, blocks, starts, ends, x, sums, out):  # type: ignore[no-untyped-def]
-    """``out += K x``; sums (p, n, 3): what every part of the rows adds to it."""
-    for part in numba.prange(starts.size - 1):
-        y = sums[part]
-        y[starts[part] : ends[part]] = 0.0
-        for n in range(starts[part], starts[part + 1]):
-            p = indptr[n]
-            u0, u1, u2 = x[n, 0], x[n, 1], x[n, 2]
-            y0, y1, y2 = _times(blocks[p], u0, u1, u2)
-            for q in range(p + 1, indptr[n + 1]):
-                m = indices[q]
-                z0, z1, z2 = _times(blocks[q], x[m, 0], x[m, 1], x[m, 2])
-                y0 += z0
-                y1 += z1
-                y2 += z2
-                _add_transposed(blocks[q], u0, u1, u2, y[m])
-            y[n, 0] += y0
-            y[n, 1] += y1
-            y[n, 2] += y2
-    _add_sums(starts, ends, sums, out)
-
-
-@numba.njit(cache=True, parallel=True, fastmath={"contract"})
-def _symmetric_product_and_square(indptr, indices, blocks, starts, ends, x, v, sums, squares, out):  # type: ignore[no-untyped-def]
-    """As `_symmetric_product`; squares (p,): the parts of vᵀK v."""
-    for part in numba.prange(starts.size - 1):
+def _symmetric_product(indptr, indices, blocks, starts, ends, x, v, sums, squares, out):  # type: ignore[no-untyped-def]
+    """``out += K x``; x, out (n, 3). v (n, 3), or (0, 3) where vᵀK v is not asked for: squares (p,), its parts."""
+    squared = v.shape[0] > 0
+    for part in numba.prange(squares.size):
         y = sums[part]
         y[starts[part] : ends[part]] = 0.0
         square = 0.0
         for n in range(starts[part], starts[part + 1]):
             p = indptr[n]
             u0, u1, u2 = x[n, 0], x[n, 1], x[n, 2]
-            v0, v1, v2 = v[n, 0], v[n, 1], v[n, 2]
             y0, y1, y2 = _times(blocks[p], u0, u1, u2)
-            z0, z1, z2 = _times(blocks[p], v0, v1, v2)
-            w0, w1, w2 = 0.5 * z0, 0.5 * z1, 0.5 * z2
+            w0 = w1 = w2 = 0.0
             for q in range(p + 1, indptr[n + 1]):
                 m = indices[q]
                 z0, z1, z2 = _times(blocks[q], x[m, 0], x[m, 1], x[m, 2])
                 y0 += z0
                 y1 += z1
                 y2 += z2
-                z0, z1, z2 = _times(blocks[q], v[m, 0], v[m, 1], v[m, 2])
-                w0 += z0
-                w1 += z1
-                w2 += z2
                 _add_transposed(blocks[q], u0, u1, u2, y[m])
+                if squared:
+                    z0, z1, z2 = _times(blocks[q], v[m, 0], v[m, 1], v[m, 2])
+                    w0 += z0
+                    w1 += z1
+                    w2 += z2
             y[n, 0] += y0
             y[n, 1] += y1
             y[n, 2] += y2
-            square += 2.0 * (w0 * v0 + w1 * v1 + w2 * v2)
+            if squared:
+                v0, v1, v2 = v[n, 0], v[n, 1], v[n, 2]
+                z0, z1, z2 = _times(blocks[p], v0, v1, v2)
+                square += (z0 + 2.0 * w0) * v0 + (z1 + 2.0 * w1) * v1 + (z2 + 2.0 * w2) * v2
         squares[part] = square
-    _add_sums(starts, ends, sums, out)
+    for n in numba.prange(out.shape[0]):
+        for part in range(squares.size):
+            if starts[part] <= n < ends[part]:
+                for i in range(3):
+                    out[n, i] += sums[part, n, i]

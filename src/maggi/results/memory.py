@@ -13,7 +13,8 @@ from maggi.model.simulation import QUANTITIES
 
 from .buffer import RowBuffer
 from .contract import Column, check_names, columns, constants, groups, head
-from .results import Results, Table
+from .results import Results
+from .source import Table
 
 
 class MemoryRecorder:

@@ -12,7 +12,8 @@ import h5py
 from maggi.model.errors import ModelError
 
 from .contract import FORMAT, FORMAT_VERSION
-from .results import Results, Table
+from .results import Results
+from .source import Table
 from .store import is_hdf5
 
 

@@ -113,8 +113,9 @@ class MeshStep:
     def residual(self, c: GeneralizedAlpha, motion: MotionState, gravity: Array, base: Array, W: Array) -> None:
         """Residual at the end of the step without forces at the attachments, ``force = Pᵀ(M a + K u + D u̇)``.
 
-        What damping takes at the beginning of the step is found on the way, while K is read. Sets the frame's residual in `base`, and in W the frame's own block about the deformed shape, ``(σ J₆(c))⁻¹``,
-        zero where the frame is prescribed.
+        Sets the frame's residual in `base`, and in W the frame's own block about the deformed shape, ``(σ J₆(c))⁻¹``,
+        zero where the frame is prescribed. What damping takes at the beginning of the step is found on the way, while K
+        is read.
         """
         body, o = self.body, self._offset
         v, w = motion.v[o : o + 3], motion.v[o + 3 : o + 6]

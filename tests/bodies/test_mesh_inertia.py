@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from maggi.bodies.beam_inertia import BeamInertia
 from maggi.bodies.freedoms import Freedoms
-from maggi.bodies.inertia import BeamInertia, IsotropicInertia
+from maggi.bodies.isotropic_inertia import IsotropicInertia
 from maggi.elements.assembly import assemble_solids
 from maggi.elements.beam import assemble_beam
 from maggi.elements.moving_frame import (

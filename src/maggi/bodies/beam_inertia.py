@@ -1,0 +1,130 @@
+"""Inertia of beams, whose nodes also rotate: the constants of T3, assembled (T2, T5a)."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from numba import njit
+from numpy.typing import NDArray
+
+from maggi.elements.beam import BeamTerms
+from maggi.elements.moving_frame import InertiaConstants
+from maggi.linalg.factor import Factor, factorise
+from maggi.linalg.vectors import cross
+
+from .mean_axes import MeanAxes, RigidColumns
+
+Array = NDArray[np.float64]
+
+
+class BeamInertia:
+    """T2 with the assembled constants of T3, and T5a for the frame: beams, whose nodes also rotate."""
+
+    def __init__(self, terms: BeamTerms) -> None:
+        self.mass, self.S0, self.J0 = terms.mass, terms.S0, terms.J0
+        self.matrix: sp.csr_matrix = terms.M.tocsr()
+        self._m_O, self._s, self._s2 = terms.m_O, terms.s, terms.s2
+        # All matrices stand on one graph, so that one pass over it serves all.
+        self._indptr, self._indices = terms.M.indptr, terms.M.indices
+        blocks = [terms.M, *terms.G, *(terms.H[k][l] for k in range(3) for l in range(3))]
+        for block in blocks:
+            if not np.array_equal(block.indices, self._indices):
+                raise ValueError("the beam's matrices do not stand on one graph")
+        self._blocks = np.ascontiguousarray(np.stack([block.data for block in blocks], axis=1))
+        self._scalars = np.empty(21)
+
+    def residual(
+        self, a_O: Array, w: Array, eps: Array, u: Array, ud: Array, udd: Array, nodal: Array, frame: Array
+    ) -> tuple[Array, Array]:
+        sums = self._scalars
+        _beam_pass(self._indptr, self._indices, self._blocks, w, eps, u, ud, udd, nodal, sums)
+        ww = np.outer(w, w)
+        nodal += self._m_O @ a_O + eps @ self._s + np.einsum("kl,kln->n", ww, self._s2)
+        S = self.S0 + self._m_O.T @ u
+        J = self._inertia(u, sums[:9].reshape(3, 3))
+        rate, acceleration = self._m_O.T @ ud, self._m_O.T @ udd
+        frame[:3] = self.mass * a_O + cross(eps, S) + cross(w, cross(w, S))
+        frame[:3] += 2.0 * cross(w, rate) + acceleration
+        frame[3:] = cross(S, a_O) + J @ eps + cross(w, J @ w)
+        frame[3:] += self._s @ udd + sums[9:12]
+        coupling = self._s2 @ ud + sums[12:].reshape(3, 3)  # [l, k]: (s_lk + H_lk δ)·δ̇
+        frame[3:] -= 2.0 * w @ coupling
+        return S, J
+
+    def multiply_mass(self, x: Array, out: Array) -> None:
+        """See `MeshInertia.multiply_mass`."""
+        out[:] = self.matrix @ x
+
+    def frame_inertia(self, u: Array) -> tuple[Array, Array]:
+        zero = np.zeros(3)
+        scratch = np.empty_like(u)
+        _beam_pass(self._indptr, self._indices, self._blocks, zero, zero, u, u, u, scratch, self._scalars)
+        return self.S0 + self._m_O.T @ u, self._inertia(u, self._scalars[:9].reshape(3, 3))
+
+    def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
+        scratch = np.empty_like(u)
+        zero = np.zeros(3)
+        _beam_pass(self._indptr, self._indices, self._blocks, zero, zero, u, ud, ud, scratch, self._scalars)
+        S, J = self.S0 + self._m_O.T @ u, self._inertia(u, self._scalars[:9].reshape(3, 3))
+        linear = self.mass * v + cross(w, S) + self._m_O.T @ ud
+        angular = cross(S, v) + J @ w + self._s @ ud + self._scalars[9:12]
+        relative = self._m_O.T @ ud @ v + (self._s @ ud + self._scalars[9:12]) @ w + ud @ scratch
+        return float(0.5 * (v @ linear + w @ angular + relative))
+
+    def constants(self, basis: Array) -> InertiaConstants:
+        products = [basis.T @ (self._block_matrix(i) @ basis) for i in range(13)]
+        m, n = products[0], basis.shape[1]
+        return InertiaConstants(
+            mass=np.array(self.mass),
+            S0=self.S0,
+            J0=self.J0,
+            m=0.5 * (m + m.T),
+            m_O=basis.T @ self._m_O,
+            G=np.array(products[1:4]),
+            H=np.array(products[4:]).reshape(3, 3, n, n),
+            s=self._s @ basis,
+            s2=self._s2 @ basis,
+        )
+
+    def factorised(self) -> Factor:
+        """See `MeshInertia.factorised`."""
+        return factorise(self.matrix)
+
+    def mean_axes(self, Phi: Array, C: Array, J6: Array) -> MeanAxes:
+        """See `MeshInertia.mean_axes`."""
+        none = np.empty(0), np.empty((0, 3))
+        return MeanAxes(RigidColumns.of(Phi, *none), RigidColumns.of(C, *none), J6)
+
+    def _block_matrix(self, i: int) -> sp.bsr_matrix:
+        """M, G_1 … G_3, H_11, H_12 … H_33 by number."""
+        shape = self.matrix.shape
+        return sp.bsr_matrix((np.ascontiguousarray(self._blocks[:, i]), self._indices, self._indptr), shape=shape)
+
+    def _inertia(self, u: Array, quadratic: Array) -> Array:
+        linear = self._s2 @ u
+        return np.asarray(self.J0 - linear - linear.T - 0.5 * (quadratic + quadratic.T))
+
+
+@njit(cache=True)
+def _beam_pass(indptr, indices, blocks, w, eps, u, ud, udd, out, sums):  # type: ignore[no-untyped-def]
+    """out = m ü + 2 Σω_kG_k u̇ + Σ(ε_kG_k + Σ_l ω_kω_lH_kl) u; sums: uᵀH_klu, üᵀG_ku, u̇ᵀH_lku [l, k] (T2, T5a)."""
+    sums[:] = 0.0
+    for n in range(indptr.size - 1):
+        for i in range(3):
+            row = 3 * n + i
+            value = 0.0
+            for p in range(indptr[n], indptr[n + 1]):
+                for j in range(3):
+                    column = 3 * indices[p] + j
+                    x, xd = u[column], ud[column]
+                    value += blocks[p, 0, i, j] * udd[column]
+                    for k in range(3):
+                        g = blocks[p, 1 + k, i, j]
+                        value += g * (2.0 * w[k] * xd + eps[k] * x)
+                        sums[9 + k] += udd[row] * g * x
+                        for l in range(3):
+                            h = blocks[p, 4 + 3 * k + l, i, j]
+                            value += w[k] * w[l] * h * x
+                            sums[3 * k + l] += u[row] * h * x
+                            sums[12 + 3 * k + l] += ud[row] * h * x
+            out[row] = value

@@ -1,0 +1,174 @@
+"""Inertia of meshes whose interpolation is isotropic, every solid element's: one nodal acceleration field (T4)."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from maggi.elements.moving_frame import InertiaConstants, contracted
+from maggi.linalg.factor import Factor, factorise
+
+from .freedoms import Freedoms
+from .isotropic_factor import IsotropicFactor
+from .isotropic_kernels import accelerations, inertia_forces, three_times
+from .mean_axes import MeanAxes, RigidColumns
+
+Array = NDArray[np.float64]
+
+PARTS = 16  # of the nodes, summed separately so that sums do not depend on the number of threads
+
+
+class IsotropicInertia:
+    """T4: ``μ a`` with one nodal acceleration field, for every solid element.
+
+    Nodes are taken in another order than the mesh's: free ones first, so that their part of a nodal field is that of
+    the freedoms, and tied ones at the end.
+    """
+
+    def __init__(self, nodes: Array, mu: sp.csr_matrix, freedoms: Freedoms) -> None:
+        self._freedoms = freedoms
+        self._tied = freedoms.tied.size
+        self._free = len(nodes) - self._tied
+        self._order = freedoms.order()
+        if self._tied:
+            mu = mu[self._order][:, self._order]
+            mu.sort_indices()
+        self._mu = mu
+        self._nodes = np.ascontiguousarray(nodes[self._order])
+        self._weights = np.asarray(mu.sum(axis=1)).ravel()
+        self._moments = np.ascontiguousarray(mu @ self._nodes)
+        self.mass = float(self._weights.sum())
+        self.S0 = self._moments.sum(axis=0)
+        second = np.einsum("ni,nj->ij", self._nodes, self._moments)
+        self.J0 = np.trace(second) * np.eye(3) - second
+        self._starts = np.searchsorted(mu.indptr, np.linspace(0, mu.nnz, PARTS + 1)).astype(np.int64)
+        self._starts[0], self._starts[-1] = 0, len(nodes)
+        self._field = np.empty((len(nodes), 3))
+        self._on_tied = np.empty((self._tied, 3))
+        self._drive = np.empty(9)
+        self._sums = np.zeros((PARTS, 6))
+        self._moved = np.zeros(9)
+
+    @property
+    def matrix(self) -> sp.csr_matrix:
+        """See `MeshInertia.matrix`."""
+        mu, n, f = self._mu, self._mu.shape[0], self._free
+        indptr, indices, data = three_times(mu.indptr, mu.indices, mu.data)
+        full = sp.csr_matrix((data, indices, indptr), shape=(3 * n, 3 * n))
+        if self._tied == 0:
+            return full
+        T = self._tie()
+        side = (full[: 3 * f, 3 * f :] @ T).tocsr()
+        corner = (T.T @ full[3 * f :, 3 * f :] @ T).toarray()
+        matrix = sp.bmat([[full[: 3 * f, : 3 * f], side], [side.T, sp.csr_matrix(0.5 * (corner + corner.T))]])
+        matrix = matrix.tocsr()
+        matrix.sort_indices()
+        return matrix
+
+    def _tie(self) -> sp.csr_matrix:
+        """Displacements of the tied nodes from the attachments' freedoms, (3 tied, 6 attachments)."""
+        rows = self._freedoms.matrix()[(3 * self._freedoms.tied[:, None] + np.arange(3)).ravel()]
+        return rows[:, 3 * self._free :]
+
+    def residual(
+        self, a_O: Array, w: Array, eps: Array, u: Array, ud: Array, udd: Array, nodal: Array, frame: Array
+    ) -> tuple[Array, Array]:
+        drive = self._drive
+        drive[:3], drive[3:6], drive[6:] = a_O, w, eps
+        self._accelerate(u, ud, udd)
+        S, J = self._deformed()
+        self._gather(u, nodal, frame)
+        return S, J
+
+    def multiply_mass(self, x: Array, out: Array) -> None:
+        """See `MeshInertia.multiply_mass`."""
+        self._drive[:] = 0.0
+        self._accelerate(x, x, x)
+        self._gather(x, out, np.empty(6))
+
+    def frame_inertia(self, u: Array) -> tuple[Array, Array]:
+        self._accelerate(u, u, u)
+        return self._deformed()
+
+    def _accelerate(self, u: Array, ud: Array, udd: Array) -> None:
+        """The nodal accelerations of T4 for what `_drive` says of the frame, and the sums of S and J."""
+        ties = self._freedoms
+        accelerations(
+            self._drive,
+            self._nodes,
+            self._weights,
+            self._moments,
+            u.reshape(-1, 3),
+            ud.reshape(-1, 3),
+            udd.reshape(-1, 3),
+            ties.master,
+            ties.arm,
+            self._field,
+            self._moved,
+        )
+
+    def _gather(self, u: Array, nodal: Array, frame: Array) -> None:
+        """The forces of these accelerations on the freedoms and on the frame."""
+        mu, ties = self._mu, self._freedoms
+        inertia_forces(
+            mu.indptr,
+            mu.indices,
+            mu.data,
+            self._starts,
+            self._field,
+            self._nodes,
+            u.reshape(-1, 3),
+            ties.master,
+            ties.arm,
+            nodal.reshape(-1, 3),
+            self._on_tied,
+            frame,
+            self._sums,
+        )
+
+    def _deformed(self) -> tuple[Array, Array]:
+        """S and J from the sums ``Σ w u`` and the upper triangle of ``Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ``."""
+        s = self._moved
+        second = s[[3, 4, 5, 4, 6, 7, 5, 7, 8]].reshape(3, 3)
+        return self.S0 + s[:3], self.J0 + (s[3] + s[6] + s[8]) * np.eye(3) - second
+
+    def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
+        velocity = v + np.cross(w, self._nodes + self._expand(u)) + self._expand(ud)
+        return float(0.5 * np.sum(velocity * (self._mu @ velocity)))
+
+    def constants(self, basis: Array) -> InertiaConstants:
+        fields = self._freedoms.expand_many(basis)
+        if self._tied:
+            fields = fields[self._order]
+        n = basis.shape[1]
+        P, Q = np.empty((3, 3, n, n)), np.empty((3, 3, n))
+        for i in range(3):
+            component = np.ascontiguousarray(fields[:, i])
+            Q[i] = self._moments.T @ component
+            weighted = self._mu @ component
+            for j in range(i, 3):
+                P[j, i] = fields[:, j].T @ weighted
+                P[i, j] = P[j, i].T
+            P[i, i] = 0.5 * (P[i, i] + P[i, i].T)
+        m_O = np.einsum("p,pia->ai", self._weights, fields)
+        return contracted(np.array(self.mass), self.S0, self.J0, m_O, P, Q)
+
+    def factorised(self) -> Factor:
+        """See `MeshInertia.factorised`."""
+        free = self._mu[: self._free, : self._free] if self._tied else self._mu
+        return IsotropicFactor(factorise(free), self.matrix if self._tied else None)
+
+    def mean_axes(self, Phi: Array, C: Array, J6: Array) -> MeanAxes:
+        """See `MeshInertia.mean_axes`."""
+        f = self._free
+        return MeanAxes(
+            RigidColumns.of(Phi, np.ones(f), self._nodes[:f]),
+            RigidColumns.of(C, self._weights[:f], self._moments[:f]),
+            J6,
+        )
+
+    def _expand(self, x: Array) -> Array:
+        """Nodal field (n, 3) of the freedoms x, free nodes first."""
+        field = self._freedoms.expand(x, np.empty_like(self._nodes))
+        return field[self._order] if self._tied else field

@@ -1,0 +1,55 @@
+"""What inertia does to a meshed body in a moving frame, whatever its elements."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from maggi.elements.moving_frame import InertiaConstants
+from maggi.linalg.factor import Factor
+
+from .mean_axes import MeanAxes
+
+Array = NDArray[np.float64]
+
+
+class MeshInertia(Protocol):
+    """What a meshed body's motion does to it, whatever its elements. u, u̇, ü are on the body's freedoms (nd,)."""
+
+    mass: float
+    S0: Array
+    J0: Array
+
+    @property
+    def matrix(self) -> sp.csr_matrix:
+        """M on the body's freedoms, made anew each time."""
+
+    def residual(
+        self, a_O: Array, w: Array, eps: Array, u: Array, ud: Array, udd: Array, nodal: Array, frame: Array
+    ) -> tuple[Array, Array]:
+        """Inertia forces on the freedoms, `nodal` (nd,), and on the frame, `frame` (6,), set in place.
+
+        a_O (3,): acceleration of the frame's origin less gravity, w, eps: body axes. Eq. T2, T5, T5a. Returns
+        S and J as `frame_inertia` does; valid until the next call.
+        """
+
+    def multiply_mass(self, x: Array, out: Array) -> None:
+        """``out = M x``, (nd,)."""
+
+    def frame_inertia(self, u: Array) -> tuple[Array, Array]:
+        """First moment S (3,) and inertia J (3, 3) about the frame's origin, deformed; J to first order lumped in u²."""
+
+    def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
+        """Kinetic energy (J); v, w: the frame's twist, body axes."""
+
+    def constants(self, basis: Array) -> InertiaConstants:
+        """The constants of T3 and T5a for coordinates e that the freedoms follow, ``u = basis e``; basis (nd, n)."""
+
+    def factorised(self) -> Factor:
+        """M, factorised."""
+
+    def mean_axes(self, Phi: Array, C: Array, J6: Array) -> MeanAxes:
+        """The projections by the rigid motions Phi (nd, 6) and C = M Phi."""
