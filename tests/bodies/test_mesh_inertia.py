@@ -98,6 +98,22 @@ def test_residual(case, seed):
     close(frame[3:], moment)
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_residual_on_mean_axes(case, seed):
+    """With mean axes, Pᵀ of the forces on the freedoms, P = I − Φ (ΦᵀMΦ)⁻¹ ΦᵀM; the frame's are the same."""
+    inertia, terms = case
+    (a_O, w, eps), (u, ud, udd) = random_state(len(terms.m), seed)
+    C = np.hstack([terms.m_O, terms.s.T])  # forces of unit accelerations of the frame
+    Phi = np.linalg.solve(terms.m, C)
+    axes = inertia.mean_axes(Phi, C, Phi.T @ C)
+    nodal, frame, free, of_free = (np.empty(len(u)), np.empty(6), np.empty(len(u)), np.empty(6))
+    inertia.residual(a_O, w, eps, u, ud, udd, free, of_free)
+    inertia.residual(a_O, w, eps, u, ud, udd, nodal, frame, axes)
+    expected = free - C @ np.linalg.solve(Phi.T @ C, Phi.T @ free)
+    np.testing.assert_allclose(nodal, expected, rtol=0, atol=1e-12 * np.abs(free).max())
+    close(frame, of_free)
+
+
 def test_constants(case):
     inertia, terms = case
     close(inertia.mass, terms.mass)

@@ -9,6 +9,7 @@ from maggi.stepping.policy import (
     CHECK_SOLVES,
     FIRST,
     FIRST_WAIT,
+    LONGER,
     LONGEST_WAIT,
     ROUGH,
     SUDDEN,
@@ -52,14 +53,14 @@ def checks_of(counts):
 
 
 def test_smooth_motion_takes_one_solve_and_a_check_now_and_then():
-    """Each check that finds the iteration calm lets the next one wait twice as long, up to a limit."""
+    """Each check that finds the iteration calm lets the next one wait longer, up to a limit."""
     policy = settled(CALM / 2)
     counts = [solves(policy, geometric(1e-3, CALM / 2)) for _ in range(10 * LONGEST_WAIT)]
     assert set(counts) == {1, CHECK_SOLVES}
     distances = checks_of(counts)
     assert counts.index(CHECK_SOLVES) == FIRST_WAIT - 1
-    assert distances[:3] == [2 * FIRST_WAIT, 4 * FIRST_WAIT, 8 * FIRST_WAIT]
-    assert set(distances[3:]) == {LONGEST_WAIT}
+    assert distances[:2] == [LONGER * FIRST_WAIT, LONGER**2 * FIRST_WAIT]
+    assert set(distances[2:]) == {LONGEST_WAIT}
 
 
 def test_checks_stay_close_where_the_iteration_is_not_calm():

@@ -34,8 +34,18 @@ class BeamInertia:
         self._scalars = np.empty(21)
 
     def residual(
-        self, a_O: Array, w: Array, eps: Array, u: Array, ud: Array, udd: Array, nodal: Array, frame: Array
+        self,
+        a_O: Array,
+        w: Array,
+        eps: Array,
+        u: Array,
+        ud: Array,
+        udd: Array,
+        nodal: Array,
+        frame: Array,
+        axes: MeanAxes | None = None,
     ) -> tuple[Array, Array]:
+        """See `MeshInertia.residual`."""
         sums = self._scalars
         _beam_pass(self._indptr, self._indices, self._blocks, w, eps, u, ud, udd, nodal, sums)
         ww = np.outer(w, w)
@@ -49,6 +59,8 @@ class BeamInertia:
         frame[3:] += self._s @ udd + sums[9:12]
         coupling = self._s2 @ ud + sums[12:].reshape(3, 3)  # [l, k]: (s_lk + H_lk δ)·δ̇
         frame[3:] -= 2.0 * w @ coupling
+        if axes is not None:
+            axes.project_forces(nodal)
         return S, J
 
     def multiply_mass(self, x: Array, out: Array) -> None:

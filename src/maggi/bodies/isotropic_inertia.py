@@ -11,12 +11,13 @@ from maggi.linalg.factor import Factor, factorise
 
 from .freedoms import Freedoms
 from .isotropic_factor import IsotropicFactor
-from .isotropic_kernels import accelerations, inertia_forces, three_times
+from .isotropic_kernels import accelerations, gather_tied, inertia_forces, three_times
 from .mean_axes import MeanAxes, RigidColumns
 
 Array = NDArray[np.float64]
 
 PARTS = 16  # of the nodes, summed separately so that sums do not depend on the number of threads
+NO_MOTION = np.zeros(6)
 
 
 class IsotropicInertia:
@@ -47,8 +48,8 @@ class IsotropicInertia:
         self._field = np.empty((len(nodes), 3))
         self._on_tied = np.empty((self._tied, 3))
         self._drive = np.empty(9)
-        self._sums = np.zeros((PARTS, 6))
-        self._moved = np.zeros(9)
+        self._moved = np.zeros(15)
+        self._sums, self._wrenches = np.zeros((PARTS, 15)), np.zeros((PARTS, 6))
 
     @property
     def matrix(self) -> sp.csr_matrix:
@@ -72,29 +73,40 @@ class IsotropicInertia:
         return rows[:, 3 * self._free :]
 
     def residual(
-        self, a_O: Array, w: Array, eps: Array, u: Array, ud: Array, udd: Array, nodal: Array, frame: Array
+        self,
+        a_O: Array,
+        w: Array,
+        eps: Array,
+        u: Array,
+        ud: Array,
+        udd: Array,
+        nodal: Array,
+        frame: Array,
+        axes: MeanAxes | None = None,
     ) -> tuple[Array, Array]:
+        """See `MeshInertia.residual`. Pᵀμa = μa − C g with g = J₆⁻¹Cᵀa: known before μa is."""
         drive = self._drive
         drive[:3], drive[3:6], drive[6:] = a_O, w, eps
         self._accelerate(u, ud, udd)
         S, J = self._deformed()
-        self._gather(u, nodal, frame)
+        self._gather(u, NO_MOTION if axes is None else axes.inverse @ self._moved[9:], nodal, frame)
         return S, J
 
     def multiply_mass(self, x: Array, out: Array) -> None:
         """See `MeshInertia.multiply_mass`."""
         self._drive[:] = 0.0
         self._accelerate(x, x, x)
-        self._gather(x, out, np.empty(6))
+        self._gather(x, NO_MOTION, out, np.empty(6))
 
     def frame_inertia(self, u: Array) -> tuple[Array, Array]:
         self._accelerate(u, u, u)
         return self._deformed()
 
     def _accelerate(self, u: Array, ud: Array, udd: Array) -> None:
-        """The nodal accelerations of T4 for what `_drive` says of the frame, and the sums of S and J."""
+        """The nodal accelerations a of T4 for what `_drive` says of the frame, and the sums of S, J and Cᵀa."""
         ties = self._freedoms
         accelerations(
+            PARTS,
             self._drive,
             self._nodes,
             self._weights,
@@ -105,27 +117,19 @@ class IsotropicInertia:
             ties.master,
             ties.arm,
             self._field,
-            self._moved,
-        )
-
-    def _gather(self, u: Array, nodal: Array, frame: Array) -> None:
-        """The forces of these accelerations on the freedoms and on the frame."""
-        mu, ties = self._mu, self._freedoms
-        inertia_forces(
-            mu.indptr,
-            mu.indices,
-            mu.data,
-            self._starts,
-            self._field,
-            self._nodes,
-            u.reshape(-1, 3),
-            ties.master,
-            ties.arm,
-            nodal.reshape(-1, 3),
-            self._on_tied,
-            frame,
             self._sums,
         )
+        self._sums.sum(axis=0, out=self._moved)
+
+    def _gather(self, u: Array, g: Array, nodal: Array, frame: Array) -> None:
+        """The forces of these accelerations on the freedoms, less C g, and on the frame."""
+        mu, ties = self._mu, self._freedoms
+        u, nodal, C = u.reshape(-1, 3), nodal.reshape(-1, 3), (self._weights, self._moments)
+        rows = mu.indptr, mu.indices, mu.data, self._starts
+        inertia_forces(PARTS, *rows, self._field, *C, g, self._nodes, u, nodal, self._on_tied, self._wrenches)
+        self._wrenches.sum(axis=0, out=frame)
+        if self._tied:
+            gather_tied(self._on_tied, *C, g, self._nodes, u, ties.master, ties.arm, nodal, frame)
 
     def _deformed(self) -> tuple[Array, Array]:
         """S and J from the sums ``Σ w u`` and the upper triangle of ``Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ``."""

@@ -31,11 +31,14 @@ class RigidColumns:
 
 
 class MeanAxes:
-    """The projections of a floating body: ``P = I − Φ J₆⁻¹ Cᵀ`` of displacements, and Pᵀ of forces."""
+    """The projections of a floating body: ``P = I − Φ J₆⁻¹ Cᵀ`` of displacements, and Pᵀ of forces.
+
+    inverse (6, 6): J₆⁻¹.
+    """
 
     def __init__(self, Phi: RigidColumns, C: RigidColumns, J6: Array) -> None:
         self._Phi, self._C = Phi, C
-        self._inverse = np.ascontiguousarray(np.linalg.inv(J6))
+        self.inverse = np.ascontiguousarray(np.linalg.inv(J6))
 
     def project(self, x: Array) -> None:
         """``x ← P x``, (nd,)."""
@@ -53,7 +56,7 @@ class MeanAxes:
             out.scale,
             out.arm,
             out.rest,
-            self._inverse,
+            self.inverse,
             x.reshape(-1, 3),
         )
 

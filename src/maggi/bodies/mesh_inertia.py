@@ -28,12 +28,21 @@ class MeshInertia(Protocol):
         """M on the body's freedoms, made anew each time."""
 
     def residual(
-        self, a_O: Array, w: Array, eps: Array, u: Array, ud: Array, udd: Array, nodal: Array, frame: Array
+        self,
+        a_O: Array,
+        w: Array,
+        eps: Array,
+        u: Array,
+        ud: Array,
+        udd: Array,
+        nodal: Array,
+        frame: Array,
+        axes: MeanAxes | None = None,
     ) -> tuple[Array, Array]:
         """Inertia forces on the freedoms, `nodal` (nd,), and on the frame, `frame` (6,), set in place.
 
-        a_O (3,): acceleration of the frame's origin less gravity, w, eps: body axes. Eq. T2, T5, T5a. Returns
-        S and J as `frame_inertia` does; valid until the next call.
+        a_O (3,): acceleration of the frame's origin less gravity, w, eps: body axes. Eq. T2, T5, T5a. With mean axes
+        given, `nodal` is Pᵀ of the forces (T6). Returns S and J as `frame_inertia` does; valid until the next call.
         """
 
     def multiply_mass(self, x: Array, out: Array) -> None:

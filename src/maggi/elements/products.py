@@ -1,7 +1,8 @@
 """Matrix products of the hot loop: y = K x in place, on all threads, half of K read.
 
-A 3×3 block costs 76 bytes and 18 multiplications: large meshes are bound by memory, small ones by arithmetic. Rows are shared among a fixed number of parts by stored entries,
-so that results do not depend on the number of threads. Nothing is allocated.
+A 3×3 block costs 76 bytes and 18 multiplications: large meshes are bound by memory, small ones by arithmetic. Rows are
+shared among a fixed number of parts by stored entries, so that results do not depend on the number of threads. Nothing is
+allocated.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ import numba
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+
+from maggi.linalg.shared import SharedPass
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -67,8 +70,9 @@ class SymmetricBlocks:
 
     def _add(self, x: Array, out: Array, v: Array) -> None:
         _check(3 * (self.indptr.size - 1), x, out)
-        rows = self.indptr, self.indices, self.blocks, self.starts, self.ends
-        _symmetric_product(*rows, x.reshape(-1, 3), v.reshape(-1, 3), self.sums, self.squares, out.reshape(-1, 3))
+        rows, parts = (self.indptr, self.indices, self.blocks, self.starts, self.ends), self.squares.size
+        _multiply(parts, *rows, x.reshape(-1, 3), v.reshape(-1, 3), self.sums, self.squares)
+        _add_up(parts, self.starts, self.ends, self.sums, out.reshape(-1, 3))
 
 
 def _check(size: int, x: Array, out: Array) -> None:
@@ -122,41 +126,52 @@ def _add_transposed(b, x0, x1, x2, y):  # type: ignore[no-untyped-def]
     y[2] += b[0, 2] * x0 + b[1, 2] * x1 + b[2, 2] * x2
 
 
-@numba.njit(cache=True, parallel=True, fastmath={"contract"})
-def _symmetric_product(indptr, indices, blocks, starts, ends, x, v, sums, squares, out):  # type: ignore[no-untyped-def]
-    """``out += K x``; x, out (n, 3). v (n, 3), or (0, 3) where vᵀK v is not asked for: squares (p,), its parts."""
+@SharedPass
+def _multiply(part, parts, indptr, indices, blocks, starts, ends, x, v, sums, squares, done):  # type: ignore[no-untyped-def]
+    """What the rows of a part add to K x (n, 3), into its `sums`. v (n, 3), or (0, 3) where vᵀK v is not asked for."""
     squared = v.shape[0] > 0
-    for part in numba.prange(squares.size):
-        y = sums[part]
-        y[starts[part] : ends[part]] = 0.0
-        square = 0.0
-        for n in range(starts[part], starts[part + 1]):
-            p = indptr[n]
-            u0, u1, u2 = x[n, 0], x[n, 1], x[n, 2]
-            y0, y1, y2 = _times(blocks[p], u0, u1, u2)
-            w0 = w1 = w2 = 0.0
-            for q in range(p + 1, indptr[n + 1]):
-                m = indices[q]
-                z0, z1, z2 = _times(blocks[q], x[m, 0], x[m, 1], x[m, 2])
-                y0 += z0
-                y1 += z1
-                y2 += z2
-                _add_transposed(blocks[q], u0, u1, u2, y[m])
-                if squared:
-                    z0, z1, z2 = _times(blocks[q], v[m, 0], v[m, 1], v[m, 2])
-                    w0 += z0
-                    w1 += z1
-                    w2 += z2
-            y[n, 0] += y0
-            y[n, 1] += y1
-            y[n, 2] += y2
+    y = sums[part]
+    y[starts[part] : ends[part]] = 0.0
+    square = 0.0
+    for n in range(starts[part], starts[part + 1]):
+        p = indptr[n]
+        u0, u1, u2 = x[n, 0], x[n, 1], x[n, 2]
+        y0, y1, y2 = _times(blocks[p], u0, u1, u2)
+        w0 = w1 = w2 = 0.0
+        for q in range(np.uint32(p + 1), np.uint32(indptr[n + 1])):
+            m = np.uint32(indices[q])  # unsigned: no look for places from the end
+            z0, z1, z2 = _times(blocks[q], x[m, 0], x[m, 1], x[m, 2])
+            y0 += z0
+            y1 += z1
+            y2 += z2
+            _add_transposed(blocks[q], u0, u1, u2, y[m])
             if squared:
-                v0, v1, v2 = v[n, 0], v[n, 1], v[n, 2]
-                z0, z1, z2 = _times(blocks[p], v0, v1, v2)
-                square += (z0 + 2.0 * w0) * v0 + (z1 + 2.0 * w1) * v1 + (z2 + 2.0 * w2) * v2
-        squares[part] = square
-    for n in numba.prange(out.shape[0]):
-        for part in range(squares.size):
-            if starts[part] <= n < ends[part]:
-                for i in range(3):
-                    out[n, i] += sums[part, n, i]
+                z0, z1, z2 = _times(blocks[q], v[m, 0], v[m, 1], v[m, 2])
+                w0 += z0
+                w1 += z1
+                w2 += z2
+        y[n, 0] += y0
+        y[n, 1] += y1
+        y[n, 2] += y2
+        if squared:
+            v0, v1, v2 = v[n, 0], v[n, 1], v[n, 2]
+            z0, z1, z2 = _times(blocks[p], v0, v1, v2)
+            square += (z0 + 2.0 * w0) * v0 + (z1 + 2.0 * w1) * v1 + (z2 + 2.0 * w2) * v2
+    squares[part] = square
+
+
+@SharedPass
+def _add_up(part, parts, starts, ends, sums, out, done):  # type: ignore[no-untyped-def]
+    """``out += `` the sums of all parts, for a part of the nodes."""
+    first, last = out.shape[0] * part // parts, out.shape[0] * (part + 1) // parts
+    for k in range(parts):
+        low, high = max(first, starts[k]), min(last, ends[k])
+        if low < high:
+            _add_field(sums[k, low:high], out[low:high])
+
+
+@numba.njit(cache=True)
+def _add_field(x, out):  # type: ignore[no-untyped-def]
+    for n in range(out.shape[0]):
+        for i in range(3):
+            out[n, i] += x[n, i]

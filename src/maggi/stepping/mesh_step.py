@@ -12,6 +12,7 @@ from maggi.linalg.vectors import cross
 
 from .condensation import Condensation, Condensations
 from .nodal_kernels import (
+    CACHED,
     attachment_values,
     correct_nodal,
     distance,
@@ -57,11 +58,10 @@ class MeshStep:
         size = body.size
         self.u, self.ud, self.udd, self.a, self.a_previous = (np.zeros(size) for _ in range(5))
         self.u_next, self.ud_next, self.udd_next, self.a_next = (np.zeros(size) for _ in range(4))
-        self._shift, self._rate_shift = np.zeros(size), np.zeros(size)
         self.force = np.zeros(size) if force is None else force
         self.solution = np.zeros(size)
         self.correction = self.deflection = 0.0
-        self._sizes = np.zeros((PARTS, 2))
+        self._sizes, self._scratches = np.zeros((PARTS, 2)), np.zeros((PARTS, 2, CACHED))
         self._frame = np.zeros(6)
         self._scratch = np.zeros(size) if body.damping.mass or body.damping.stiffness else self.force
         self._dissipation: float | None = None  # at the present, where it is known
@@ -97,7 +97,8 @@ class MeshStep:
     def predict(self, c: GeneralizedAlpha, linear: float) -> None:
         """Newmark's state with predicted accelerations (the same formulas as `prediction.predict`)."""
         predict_nodal(
-            c,
+            PARTS,
+            np.array(c),
             linear,
             self.u,
             self.ud,
@@ -111,7 +112,9 @@ class MeshStep:
         )
 
     def residual(self, c: GeneralizedAlpha, motion: MotionState, gravity: Array, base: Array, W: Array) -> None:
-        """Residual at the end of the step without forces at the attachments, ``force = Pᵀ(M a + K u + D u̇)``.
+        """Residual at the end of the step without forces at the attachments, ``force = PᵀM a + K u + D u̇``.
+
+        K and D u̇ have no part along rigid motions: KΦ = 0, and Cᵀu̇ = 0.
 
         Sets the frame's residual in `base`, and in W the frame's own block about the deformed shape, ``(σ J₆(c))⁻¹``,
         zero where the frame is prescribed. What damping takes at the beginning of the step is found on the way, while K
@@ -120,9 +123,8 @@ class MeshStep:
         body, o = self.body, self._offset
         v, w = motion.v[o : o + 3], motion.v[o + 3 : o + 6]
         a_O = motion.vd[o : o + 3] + cross(w, v) - motion.rotation[self.index].T @ gravity
-        S, J = body.inertia.residual(
-            a_O, w, motion.vd[o + 3 : o + 6], self.u_next, self.ud_next, self.udd_next, self.force, self._frame
-        )
+        fields, axes = (self.u_next, self.ud_next, self.udd_next), body.axes if body.floating else None
+        S, J = body.inertia.residual(a_O, w, motion.vd[o + 3 : o + 6], *fields, self.force, self._frame, axes)
         base[self._start : self._start + 6] = self._frame
         strained, d = self.u_next, body.damping
         if d.mass:
@@ -139,7 +141,6 @@ class MeshStep:
         else:
             self.shared.stiffness.add_product(strained, self.force)
         if body.floating:
-            body.axes.project_forces(self.force)
             width = self._end - self._start
             frame_compliance(c.sigma, body.inertia.mass, S, J, W[self._block].reshape(width, width))
 
@@ -154,19 +155,17 @@ class MeshStep:
         """Nodal increments from the free ones and the forces at the attachments, (n,) each (step 6)."""
         part = slice(self._start + 6, self._end)
         correct_nodal(
-            c,
+            PARTS,
+            np.array(c),
             self.solution,
             self.constants.responses,
-            self.constants.damping,
-            force[part],
-            position_force[part],
-            velocity_force[part],
+            *self.constants.damping,
+            np.array((force[part], position_force[part], velocity_force[part])),
             self.u_next,
             self.ud_next,
             self.udd_next,
             self.a_next,
-            self._shift,
-            self._rate_shift,
+            self._scratches,
             self._sizes,
         )
         self.correction = float(np.sqrt(self._sizes[:, 0].sum() / self.u.size))

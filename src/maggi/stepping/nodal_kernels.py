@@ -1,36 +1,38 @@
-"""Compiled passes over a meshed body's freedoms, nothing allocated, and what connects them with its small coordinates.
-
-Passes that take some ten bytes a freedom stay in one thread: what a second one saves is less than waiting for it costs.
-"""
+"""Compiled passes over a meshed body's freedoms, nothing allocated, and what connects them with its small coordinates."""
 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
+from maggi.linalg.shared import SharedPass
 
 Array = NDArray[np.float64]
 
 CACHED = 512  # freedoms that a pass over many fields takes at a time, so that what it reads twice is still at hand
 
 
-@njit(cache=True)
-def predict_nodal(
-    c: GeneralizedAlpha,
-    linear: float,
-    u: Array,
-    ud: Array,
-    udd: Array,
-    a: Array,
-    a_previous: Array,
-    u_next: Array,
-    ud_next: Array,
-    udd_next: Array,
-    a_next: Array,
-) -> None:
+@SharedPass
+def predict_nodal(  # type: ignore[no-untyped-def]
+    part, parts, method, linear, u, ud, udd, a, a_previous, u_next, ud_next, udd_next, a_next, done
+):
     """The state at the end of the step with predicted accelerations: `prediction.predict` for nodal freedoms."""
+    c = _coefficients(method)
+    here = slice(u.size * part // parts, u.size * (part + 1) // parts)
+    now, following = (
+        (u[here], ud[here], udd[here], a[here]),
+        (u_next[here], ud_next[here], udd_next[here], a_next[here]),
+    )
+    _predict(c, linear, now, a_previous[here], following)
+
+
+@njit(cache=True, fastmath={"contract"})
+def _predict(c, linear, now, a_previous, following):  # type: ignore[no-untyped-def]
+    # All arrays are read from their beginning: such a loop LLVM vectorises.
+    u, ud, udd, a = now
+    u_next, ud_next, udd_next, a_next = following
     for i in range(u.size):
         b = a[i] + linear * (a[i] - a_previous[i])
         a_next[i] = b
@@ -39,9 +41,14 @@ def predict_nodal(
         u_next[i] = u[i] + c.h * ud[i] + c.h * c.h * ((0.5 - c.beta) * a[i] + c.beta * b)
 
 
+@njit(cache=True)
+def _coefficients(method: Array) -> GeneralizedAlpha:
+    return GeneralizedAlpha(method[0], method[1], method[2], method[3], method[4], method[5])
+
+
 @njit(cache=True, fastmath={"contract"})
-def _add_columns(columns: Array, weights: Array, here: slice, out: Array) -> None:
-    """``out += columnsᵀ weights`` of the freedoms here; columns (6, nd), weights (6,).
+def _add_columns(columns: Array, weights: Array, factor: float, more: Array, here: slice, out: Array) -> None:
+    """``out += columnsᵀ (weights + factor more)`` of the freedoms here; columns (6, nd), weights, more (6,).
 
     One array is written, and all are read from their beginning: such a loop LLVM vectorises.
     """
@@ -53,7 +60,8 @@ def _add_columns(columns: Array, weights: Array, here: slice, out: Array) -> Non
         columns[4][here],
         columns[5][here],
     )
-    w0, w1, w2, w3, w4, w5 = weights[0], weights[1], weights[2], weights[3], weights[4], weights[5]
+    w0, w1, w2 = weights[0] + factor * more[0], weights[1] + factor * more[1], weights[2] + factor * more[2]
+    w3, w4, w5 = weights[3] + factor * more[3], weights[4] + factor * more[4], weights[5] + factor * more[5]
     for i in range(out.size):
         out[i] += y0[i] * w0 + y1[i] * w1 + y2[i] * w2 + y3[i] * w3 + y4[i] * w4 + y5[i] * w5
 
@@ -89,68 +97,44 @@ def _subtract(factor: float, x: Array, out: Array) -> None:
         out[i] -= factor * x[i]
 
 
-@njit(cache=True, parallel=True, fastmath={"contract"})
-def correct_nodal(
-    c: GeneralizedAlpha,
-    x: Array,
-    responses: Array,
-    damping: tuple[float, float],
-    force: Array,
-    position_force: Array,
-    velocity_force: Array,
-    u_next: Array,
-    ud_next: Array,
-    udd_next: Array,
-    a_next: Array,
-    shift: Array,
-    rate_shift: Array,
-    sizes: Array,
-) -> None:
+@SharedPass
+def correct_nodal(  # type: ignore[no-untyped-def]
+    part, parts, method, x, responses, y, z, forces, u_next, ud_next, udd_next, a_next, scratch, sizes, done
+):
     """δ = −x − Yφ − Zπ − Z_Dκ and what follows from it, with the shifts Yπ, Yκ (Theory §5, step 6).
 
-    x (nd,) becomes −δ. responses (k, 12, nd), damping (2,): see `Condensation`. force, position_force, velocity_force
-    (6k,): φ, π, κ. shift, rate_shift (nd,): scratch. sizes (p, 2): sums of δ² and the largest |u| of p equal parts of
-    the freedoms, so that their sum does not depend on the threads.
+    x (nd,) becomes −δ. responses (k, 12, nd), y, z: see `Condensation`. forces (3, 6k): φ, π, κ. scratch
+    (p, 2, CACHED). sizes (p, 2): sums of δ² and the largest |u| of p equal parts of the freedoms.
     """
-    parts = sizes.shape[0]
-    loaded = np.empty(responses.shape[0], np.int64)
-    count = 0
-    for k in range(responses.shape[0]):
-        for j in range(6 * k, 6 * k + 6):
-            if force[j] != 0.0 or position_force[j] != 0.0 or velocity_force[j] != 0.0:
-                loaded[count] = k
-                count += 1
-                break
-    of_Y, of_Z = np.empty(force.size), np.empty(force.size)
-    for j in range(force.size):
-        of_Y[j] = force[j] + damping[0] * velocity_force[j]
-        of_Z[j] = position_force[j] + damping[1] * velocity_force[j]
-    for part in prange(parts):
-        total = 0.0
-        largest = 0.0
-        end = x.size * (part + 1) // parts
-        for first in range(x.size * part // parts, end, CACHED):
-            here = slice(first, min(first + CACHED, end))
-            negative, moved, quickened = x[here], shift[here], rate_shift[here]
-            _clear(moved)
-            _clear(quickened)
-            for place in range(count):
-                k = loaded[place]
-                columns, these = responses[k], slice(6 * k, 6 * k + 6)
-                _add_columns(columns[:6], of_Y[these], here, negative)
-                _add_columns(columns[6:], of_Z[these], here, negative)
-                _add_columns(columns[:6], position_force[these], here, moved)
-                _add_columns(columns[:6], velocity_force[these], here, quickened)
-            _subtract(1.0, negative, a_next[here])
-            _subtract(c.sigma, negative, udd_next[here])
-            _subtract(c.gamma * c.h, negative, ud_next[here])
-            _subtract(-1.0, quickened, ud_next[here])
-            _subtract(c.beta * c.h * c.h, negative, u_next[here])
-            _subtract(-1.0, moved, u_next[here])
-            total += inner_product(negative, negative)
-            largest = max(largest, _largest(u_next[here]))
-        sizes[part, 0] = total
-        sizes[part, 1] = largest
+    c = _coefficients(method)
+    total = 0.0
+    largest = 0.0
+    end = x.size * (part + 1) // parts
+    for first in range(x.size * part // parts, end, CACHED):
+        here = slice(first, min(first + CACHED, end))
+        negative = x[here]
+        moved, quickened = scratch[part, 0, : negative.size], scratch[part, 1, : negative.size]
+        _clear(moved)
+        _clear(quickened)
+        for k in range(responses.shape[0]):
+            of = slice(6 * k, 6 * k + 6)
+            phi, pi, kappa, Y, Z = forces[0, of], forces[1, of], forces[2, of], responses[k, :6], responses[k, 6:]
+            if max(_largest(phi), _largest(pi), _largest(kappa)) == 0.0:
+                continue
+            _add_columns(Y, phi, y, kappa, here, negative)
+            _add_columns(Z, pi, z, kappa, here, negative)
+            _add_columns(Y, pi, 0.0, pi, here, moved)
+            _add_columns(Y, kappa, 0.0, kappa, here, quickened)
+        _subtract(1.0, negative, a_next[here])
+        _subtract(c.sigma, negative, udd_next[here])
+        _subtract(c.gamma * c.h, negative, ud_next[here])
+        _subtract(-1.0, quickened, ud_next[here])
+        _subtract(c.beta * c.h * c.h, negative, u_next[here])
+        _subtract(-1.0, moved, u_next[here])
+        total += inner_product(negative, negative)
+        largest = max(largest, _largest(u_next[here]))
+    sizes[part, 0] = total
+    sizes[part, 1] = largest
 
 
 @njit(cache=True)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 CHECK_SOLVES = 3  # back-substitutions of a check: the ratio of its last two corrections is the contraction
 ROUGH = 0.3  # with linear prediction an iteration factor beyond −1/3 is unstable (Theory §5)
-CALM = 0.03  # contraction up to which the next check may wait twice as long
-FIRST_WAIT, LONGEST_WAIT = 10, 80  # steps from one check to the next
+CALM = 0.03  # contraction up to which the next check may wait LONGER
+FIRST_WAIT, LONGER, LONGEST_WAIT = 10, 4, 320  # steps from one check to the next; times as long
 SUDDEN = 2.0  # a first correction this many times as large as usual calls for a check at once
-FADING = 0.97  # per step, of what is usual
+FADING, RISING = 0.97, 1.02  # per step, of what is usual: an unstable component grows by 1.15 and more
 MOST = 12  # back-substitutions before a step is given up
 FIRST = 3  # steps at the start, or after a change of step, that are iterated fully
 
@@ -20,7 +20,7 @@ class SolvePolicy:
 
     The first contraction of a step is no sign (it shows the smooth part, while a rough component decides the
     stability), so now and then a step is a check of CHECK_SOLVES, and the contraction of the later ones decides: above
-    ROUGH all steps take two. Checks follow each other after FIRST_WAIT steps, and twice as many each time as
+    ROUGH all steps take two. Checks follow each other after FIRST_WAIT steps, and LONGER times as many each time as
     long as the contraction stays below CALM, a tenth of what would be dangerous; between them a component that grows
     shows in the first correction, which is there anyway: one that is SUDDENly larger than usual, and large
     enough to matter, makes its step a check. The error that is left, ``correction·ρ/(1 − ρ)``, must be below
@@ -76,15 +76,17 @@ class SolvePolicy:
 
     def accepted(self) -> None:
         """A step has ended."""
-        if not self.checking:
+        checked = self.checking
+        if not checked:
             self.since_check += 1
         else:
             # corrections that fell to round-off before they could show a ratio are as calm as can be
             if self.ratio is not None and self.ratio > CALM:
                 self.wait = FIRST_WAIT
             elif self.young >= FIRST and not self.alarmed:
-                self.wait = min(2 * self.wait, LONGEST_WAIT)
+                self.wait = min(LONGER * self.wait, LONGEST_WAIT)
             self.since_check = 0
-        self.usual = max(FADING * self.usual, self.first)
+        risen = self.first if checked else min(self.first, RISING * self.usual)
+        self.usual = max(FADING * self.usual, risen)
         self.alarmed = False
         self.young += 1
