@@ -67,21 +67,21 @@ def simulate(
     mesh, counts = ours.stepper.meshes[0], ours.stepper.counts
     vector = np.random.default_rng(0).standard_normal(mesh.body.size)
     out = np.zeros_like(vector)
-    half = SymmetricBlocks.of(mesh.body.K)  # the quickest product there is: every block is read once
+    once = SymmetricBlocks.of(mesh.body.K).product(vector, out)  # the quickest there is: every block is read once
     ours.advance(20)  # the first steps, in which the prediction finds its way, and whatever is still to be loaded
     counted = counts.back_substitutions
     step, solve, product, limit, path, residuals = [], [], [], [], [], np.zeros(3)
 
     def least() -> None:
         mesh.constants.factor.solve(vector)
-        half.add_product(vector, out)
-        half.add_product(vector, out)
+        once.add()
+        once.add()
 
     for _ in range(chunks):
         # as many of each, so that whatever else the machine does disturbs them alike
         step.append(ours.advance(chunk))
         solve.append(each(chunk, lambda: mesh.constants.factor.solve(vector)))
-        product.append(each(chunk, lambda: half.add_product(vector, out)))
+        product.append(each(chunk, once.add))
         limit.append(each(chunk, least))
         path.append(ours.position(*case.point))
         residuals = np.maximum(residuals, ours.stepper.residuals())

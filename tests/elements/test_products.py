@@ -37,7 +37,7 @@ def test_the_product_is_added(K, half, fields):
 def test_the_square_comes_with_the_product(K, half, fields):
     x, out, v = fields
     expected = out + K @ x
-    square = half.add_product_and_square(x, out, v)
+    square = half.product(x, out, v).add()
     np.testing.assert_allclose(out, expected, rtol=0, atol=1e-14 * abs(expected).max())
     assert square == pytest.approx(v @ (K @ v), rel=1e-13)
 
@@ -49,7 +49,7 @@ def test_same_bits_for_any_number_of_threads(half, fields):
     for threads in {1, before}:
         numba.set_num_threads(threads)
         out = np.zeros_like(x)
-        results.append((half.add_product_and_square(x, out, v), out))
+        results.append((half.product(x, out, v).add(), out))
     numba.set_num_threads(before)
     for square, out in results:
         assert square == results[0][0]
@@ -61,8 +61,8 @@ def test_arrays_that_do_not_fit_are_refused(half, fields):
     with pytest.raises(ValueError, match="rows got"):
         half.add_product(x[:-1], out)
     with pytest.raises(ValueError, match="rows got"):
-        half.add_product_and_square(x, out, v[:-3])
-    with pytest.raises(ValueError, match="C-contiguous"):
+        half.product(x, out, v[:-3])
+    with pytest.raises(TypeError, match="contiguous"):
         half.add_product(x, np.zeros(2 * x.size)[::2])
 
 

@@ -250,7 +250,8 @@ class QuasiStatic:
             nodal, frame = np.empty(mesh.body.size), np.empty(6)
             v, w = motion.v[o : o + 3], motion.v[o + 3 : o + 6]
             a_O = motion.vd[o : o + 3] + np.cross(w, v) - motion.rotation[body.index].T @ gravity
-            mesh.body.inertia.residual(a_O, w, motion.vd[o + 3 : o + 6], fields[body.index], zero, zero, nodal, frame)
+            drive = np.array((a_O, w, motion.vd[o + 3 : o + 6]))
+            mesh.body.inertia.forces(fields[body.index], zero, zero, nodal).residual(drive, frame)
             residual[o : o + 6] = frame
             u = -self._responses[body.index].displacements(nodal[None])[0]
             rigid = mesh.body.Phi.T @ nodal if body.rigid.shape[1] else np.empty(0)
@@ -298,7 +299,7 @@ def quasi_static_start(system: System, motion: MotionState, meshes: list[MeshSte
     rates = {mesh.index: _rate([state[1][mesh.index] for state in states], dt) for mesh in meshes}
     static.admit_rates(motion, rates)
     for mesh in meshes:
-        mesh.u, mesh.ud = fields[mesh.index].copy(), rates[mesh.index]
+        mesh.u[:], mesh.ud[:] = fields[mesh.index], rates[mesh.index]
 
 
 def _rate(values: list[Array], dt: float) -> Array:

@@ -17,6 +17,17 @@ from .mean_axes import MeanAxes, RigidColumns
 Array = NDArray[np.float64]
 
 
+class BeamForces:
+    """See `InertiaForces`."""
+
+    def __init__(self, inertia: BeamInertia, fields: tuple[Array, Array, Array], nodal: Array) -> None:
+        self._inertia, self._fields, self._nodal = inertia, fields, nodal
+
+    def residual(self, drive: Array, frame: Array, axes: MeanAxes | None = None) -> tuple[Array, Array]:
+        """See `InertiaForces.residual`."""
+        return self._inertia.evaluate(self._fields, self._nodal, drive, frame, axes)
+
+
 class BeamInertia:
     """T2 with the assembled constants of T3, and T5a for the frame: beams, whose nodes also rotate."""
 
@@ -33,19 +44,15 @@ class BeamInertia:
         self._blocks = np.ascontiguousarray(np.stack([block.data for block in blocks], axis=1))
         self._scalars = np.empty(21)
 
-    def residual(
-        self,
-        a_O: Array,
-        w: Array,
-        eps: Array,
-        u: Array,
-        ud: Array,
-        udd: Array,
-        nodal: Array,
-        frame: Array,
-        axes: MeanAxes | None = None,
+    def forces(self, u: Array, ud: Array, udd: Array, nodal: Array) -> BeamForces:
+        """See `MeshInertia.forces`."""
+        return BeamForces(self, (u, ud, udd), nodal)
+
+    def evaluate(
+        self, fields: tuple[Array, Array, Array], nodal: Array, drive: Array, frame: Array, axes: MeanAxes | None
     ) -> tuple[Array, Array]:
-        """See `MeshInertia.residual`."""
+        """See `InertiaForces.residual`."""
+        (u, ud, udd), (a_O, w, eps) = fields, drive
         sums = self._scalars
         _beam_pass(self._indptr, self._indices, self._blocks, w, eps, u, ud, udd, nodal, sums)
         ww = np.outer(w, w)

@@ -11,13 +11,23 @@ from maggi.linalg.factor import Factor, factorise
 
 from .freedoms import Freedoms
 from .isotropic_factor import IsotropicFactor
-from .isotropic_kernels import accelerations, gather_tied, inertia_forces, three_times
+from .isotropic_kernels import NodalForces, accelerations, gather_tied, inertia_forces, three_times
 from .mean_axes import MeanAxes, RigidColumns
 
 Array = NDArray[np.float64]
 
 PARTS = 16  # of the nodes, summed separately so that sums do not depend on the number of threads
-NO_MOTION = np.zeros(6)
+
+
+class IsotropicForces:
+    """See `InertiaForces`."""
+
+    def __init__(self, inertia: IsotropicInertia, of: NodalForces) -> None:
+        self._inertia, self._of = inertia, of
+
+    def residual(self, drive: Array, frame: Array, axes: MeanAxes | None = None) -> tuple[Array, Array]:
+        """See `InertiaForces.residual`."""
+        return self._inertia.evaluate(self._of, drive, frame, axes)
 
 
 class IsotropicInertia:
@@ -45,10 +55,9 @@ class IsotropicInertia:
         self.J0 = np.trace(second) * np.eye(3) - second
         self._starts = np.searchsorted(mu.indptr, np.linspace(0, mu.nnz, PARTS + 1)).astype(np.int64)
         self._starts[0], self._starts[-1] = 0, len(nodes)
-        self._field = np.empty((len(nodes), 3))
-        self._on_tied = np.empty((self._tied, 3))
-        self._drive = np.empty(9)
-        self._moved = np.zeros(15)
+        self._field, self._on_tied = np.empty((len(nodes), 3)), np.empty((self._tied, 3))
+        self._of_tied = np.empty((3, self._tied, 3))
+        self._drive, self._rigid, self._moved = np.empty(9), np.zeros(6), np.zeros(15)
         self._sums, self._wrenches = np.zeros((PARTS, 15)), np.zeros((PARTS, 6))
 
     @property
@@ -72,64 +81,57 @@ class IsotropicInertia:
         rows = self._freedoms.matrix()[(3 * self._freedoms.tied[:, None] + np.arange(3)).ravel()]
         return rows[:, 3 * self._free :]
 
-    def residual(
-        self,
-        a_O: Array,
-        w: Array,
-        eps: Array,
-        u: Array,
-        ud: Array,
-        udd: Array,
-        nodal: Array,
-        frame: Array,
-        axes: MeanAxes | None = None,
-    ) -> tuple[Array, Array]:
-        """See `MeshInertia.residual`. Pᵀμa = μa − C g with g = J₆⁻¹Cᵀa: known before μa is."""
-        drive = self._drive
-        drive[:3], drive[3:6], drive[6:] = a_O, w, eps
-        self._accelerate(u, ud, udd)
-        S, J = self._deformed()
-        self._gather(u, NO_MOTION if axes is None else axes.inverse @ self._moved[9:], nodal, frame)
-        return S, J
+    def forces(self, u: Array, ud: Array, udd: Array, nodal: Array) -> IsotropicForces:
+        """See `MeshInertia.forces`."""
+        return IsotropicForces(self, self._nodal_forces(u, ud, udd, nodal))
 
-    def multiply_mass(self, x: Array, out: Array) -> None:
-        """See `MeshInertia.multiply_mass`."""
-        self._drive[:] = 0.0
-        self._accelerate(x, x, x)
-        self._gather(x, NO_MOTION, out, np.empty(6))
-
-    def frame_inertia(self, u: Array) -> tuple[Array, Array]:
-        self._accelerate(u, u, u)
-        return self._deformed()
-
-    def _accelerate(self, u: Array, ud: Array, udd: Array) -> None:
-        """The nodal accelerations a of T4 for what `_drive` says of the frame, and the sums of S, J and Cᵀa."""
-        ties = self._freedoms
-        accelerations(
-            PARTS,
-            self._drive,
+    def _nodal_forces(self, u: Array, ud: Array, udd: Array, nodal: Array) -> NodalForces:
+        return NodalForces(
+            self._mu.indptr,
+            self._mu.indices,
+            self._mu.data,
+            self._starts,
             self._nodes,
             self._weights,
             self._moments,
-            u.reshape(-1, 3),
-            ud.reshape(-1, 3),
-            udd.reshape(-1, 3),
-            ties.master,
-            ties.arm,
+            self._freedoms.master,
+            self._freedoms.arm,
+            self._drive,
+            self._rigid,
+            u,
+            ud,
+            udd,
+            nodal,
+            self._of_tied,
             self._field,
+            self._on_tied,
             self._sums,
+            self._wrenches,
         )
-        self._sums.sum(axis=0, out=self._moved)
 
-    def _gather(self, u: Array, g: Array, nodal: Array, frame: Array) -> None:
-        """The forces of these accelerations on the freedoms, less C g, and on the frame."""
-        mu, ties = self._mu, self._freedoms
-        u, nodal, C = u.reshape(-1, 3), nodal.reshape(-1, 3), (self._weights, self._moments)
-        rows = mu.indptr, mu.indices, mu.data, self._starts
-        inertia_forces(PARTS, *rows, self._field, *C, g, self._nodes, u, nodal, self._on_tied, self._wrenches)
-        self._wrenches.sum(axis=0, out=frame)
+    def multiply_mass(self, x: Array, out: Array) -> None:
+        """See `MeshInertia.multiply_mass`."""
+        self.evaluate(self._nodal_forces(x, x, x, out), np.zeros((3, 3)), np.empty(6), None)
+
+    def frame_inertia(self, u: Array) -> tuple[Array, Array]:
+        accelerations(self._nodal_forces(u, u, u, u), PARTS)
+        self._sums.sum(axis=0, out=self._moved)
+        return self._deformed()
+
+    def evaluate(self, of: NodalForces, drive: Array, frame: Array, axes: MeanAxes | None) -> tuple[Array, Array]:
+        """The forces of the accelerations that drive (3, 3), a_O, ω and ε, says, on the freedoms and on the frame; S and J.
+
+        Pᵀμa = μa − C g with g = J₆⁻¹Cᵀa, which is known before μa is.
+        """
+        self._drive[:] = drive.ravel()
+        accelerations(of, PARTS)
+        self._sums.sum(axis=0, out=self._moved)
+        self._rigid[:] = 0.0 if axes is None else axes.inverse @ self._moved[9:]
+        inertia_forces(of, PARTS)
         if self._tied:
-            gather_tied(self._on_tied, *C, g, self._nodes, u, ties.master, ties.arm, nodal, frame)
+            gather_tied(of, 1)
+        self._wrenches.sum(axis=0, out=frame)
+        return self._deformed()
 
     def _deformed(self) -> tuple[Array, Array]:
         """S and J from the sums ``Σ w u`` and the upper triangle of ``Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ``."""

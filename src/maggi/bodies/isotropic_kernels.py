@@ -2,10 +2,49 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from maggi.linalg.shared import SharedPass
+from maggi.linalg.shared import SharedPass, inner_pass
+from maggi.linalg.table import Table
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class NodalForces(Table):
+    """What the inertia forces of one set of fields are found from and written to; n nodes, free ones first, b blocks.
+
+    indptr, indices, values: μ (n, n) by rows, of which part p has those from starts[p] to starts[p + 1]. nodes (n, 3).
+    weights (n,), moments (n, 3): row sums of μ, and μ times the nodes. master (t,), arm (t, 3): see `Freedoms`.
+    drive (9,): a_O less gravity, ω, ε. rigid (6,): g of `inertia_forces`. u, ud, udd, nodal (3b,). tied (3, t, 3): u, u̇, ü of
+    tied nodes. field (n, 3): accelerations. on_tied (t, 3): forces. sums (p, 15), wrenches (p, 6): by part.
+    """
+
+    indptr: NDArray[np.int32]
+    indices: NDArray[np.int32]
+    values: Array
+    starts: IntArray
+    nodes: Array
+    weights: Array
+    moments: Array
+    master: IntArray
+    arm: Array
+    drive: Array
+    rigid: Array
+    u: Array
+    ud: Array
+    udd: Array
+    nodal: Array
+    tied: Array
+    field: Array
+    on_tied: Array
+    sums: Array
+    wrenches: Array
 
 
 @njit(cache=True)
@@ -25,113 +64,112 @@ def three_times(indptr, indices, data):  # type: ignore[no-untyped-def]
     return first, columns, values
 
 
-@njit(cache=True, fastmath={"contract"})
-def _acceleration(drive, X, u, ud, udd):  # type: ignore[no-untyped-def]
-    """T4 at one node."""
-    w0, w1, w2 = drive[3], drive[4], drive[5]
-    e0, e1, e2 = drive[6], drive[7], drive[8]
-    c0, c1, c2 = X[0] + u[0], X[1] + u[1], X[2] + u[2]
-    y0 = w1 * c2 - w2 * c1 + 2.0 * ud[0]
-    y1 = w2 * c0 - w0 * c2 + 2.0 * ud[1]
-    y2 = w0 * c1 - w1 * c0 + 2.0 * ud[2]
-    return (
-        drive[0] + e1 * c2 - e2 * c1 + w1 * y2 - w2 * y1 + udd[0],
-        drive[1] + e2 * c0 - e0 * c2 + w2 * y0 - w0 * y2 + udd[1],
-        drive[2] + e0 * c1 - e1 * c0 + w0 * y1 - w1 * y0 + udd[2],
-    )
-
-
-@njit(cache=True, fastmath={"contract"})
-def _with_node(sums, w, m, u, a):  # type: ignore[no-untyped-def]
-    """The sums (15) of `accelerations` with one more node, in registers."""
-    u0, u1, u2 = u
-    a0, a1, a2 = a
-    s0, s1, s2, s3, s4, s5, s6, s7, s8, s9, s10, s11, s12, s13, s14 = sums
-    return (
-        s0 + w * u0,
-        s1 + w * u1,
-        s2 + w * u2,
-        s3 + (2.0 * m[0] + w * u0) * u0,
-        s4 + m[0] * u1 + (m[1] + w * u1) * u0,
-        s5 + m[0] * u2 + (m[2] + w * u2) * u0,
-        s6 + (2.0 * m[1] + w * u1) * u1,
-        s7 + m[1] * u2 + (m[2] + w * u2) * u1,
-        s8 + (2.0 * m[2] + w * u2) * u2,
-        s9 + w * a0,
-        s10 + w * a1,
-        s11 + w * a2,
-        s12 + m[1] * a2 - m[2] * a1,
-        s13 + m[2] * a0 - m[0] * a2,
-        s14 + m[0] * a1 - m[1] * a0,
-    )
-
-
-@njit(cache=True)
-def _tied_value(x, block, arm):  # type: ignore[no-untyped-def]
-    """d + θ × arm."""
-    t0, t1, t2 = x[block + 1, 0], x[block + 1, 1], x[block + 1, 2]
-    return (
-        x[block, 0] + t1 * arm[2] - t2 * arm[1],
-        x[block, 1] + t2 * arm[0] - t0 * arm[2],
-        x[block, 2] + t0 * arm[1] - t1 * arm[0],
-    )
-
-
 @SharedPass
-def accelerations(  # type: ignore[no-untyped-def]
-    part, parts, drive, X, weights, moments, u, ud, udd, master, arm, out, sums, done
-):
-    """a_n = a_O + ε × c + ω × (ω × c + 2 u̇) + ü, c = X + u (T4), free nodes first; gravity is in a_O, drive (9,) is a_O, ω, ε.
+def accelerations(of: NodalForces, part: int, parts: int) -> None:
+    """a_n = a_O + ε × c + ω × (ω × c + 2 u̇) + ü, c = X + u (T4), into `field`; gravity is in a_O.
 
-    sums (p, 15), by part: Σ w u, the upper triangle of Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ, and Cᵀa.
+    To `sums` Σ w u, the upper triangle of Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ, and Cᵀa.
     """
-    free = X.shape[0] - master.size
-    first, last = X.shape[0] * part // parts, X.shape[0] * (part + 1) // parts
-    here, there = slice(min(first, free), min(last, free)), slice(max(first, free), max(last, free))
-    s = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    s = _accelerate(drive, X[here], weights[here], moments[here], u[here], ud[here], udd[here], out[here], s)
-    tied = slice(there.start - free, there.stop - free)
-    fields, ties = (u, ud, udd), (master[tied], arm[tied])
-    s = _accelerate_tied(drive, X[there], weights[there], moments[there], fields, ties, out[there], s)
-    for i, total in enumerate(s):
-        sums[part, i] = total
-
-
-@njit(cache=True, fastmath={"contract"})
-def _accelerate(drive, X, weights, moments, u, ud, udd, out, s):  # type: ignore[no-untyped-def]
-    for n in range(X.shape[0]):
-        d = _value(u, n)
-        a = _acceleration(drive, X[n], d, _value(ud, n), _value(udd, n))
-        out[n, 0], out[n, 1], out[n, 2] = a
-        s = _with_node(s, weights[n], moments[n], d, a)
-    return s
-
-
-@njit(cache=True, fastmath={"contract"})
-def _accelerate_tied(drive, X, weights, moments, fields, ties, out, s):  # type: ignore[no-untyped-def]
-    (u, ud, udd), (master, arm) = fields, ties
-    for n in range(X.shape[0]):
-        b, r = master[n], arm[n]
-        d = _tied_value(u, b, r)
-        a = _acceleration(drive, X[n], d, _tied_value(ud, b, r), _tied_value(udd, b, r))
-        out[n, 0], out[n, 1], out[n, 2] = a
-        s = _with_node(s, weights[n], moments[n], d, a)
-    return s
-
-
-@SharedPass
-def inertia_forces(  # type: ignore[no-untyped-def]
-    part, parts, indptr, indices, values, starts, a, weights, moments, g, X, u, nodal, on_tied, sums, done
-):
-    """F = μ a: less C g on free nodes' blocks, nodal (b, 3), whole on tied nodes; resultant and moment Φ(c)ᵀF of the free.
-
-    sums (p, 6), by part.
-    """
-    free = X.shape[0] - on_tied.shape[0]
-    total = sums[part]
+    X, weights, moments, field, tied = of.nodes, of.weights, of.moments, of.field, of.tied
+    u, ud, udd = of.u.reshape(-1, 3), of.ud.reshape(-1, 3), of.udd.reshape(-1, 3)
+    n, free = X.shape[0], X.shape[0] - tied.shape[1]
+    first, last = n * part // parts, n * (part + 1) // parts
+    total = of.sums[part]
     total[:] = 0.0
-    for n in range(starts[part], starts[part + 1]):
-        y0, y1, y2 = _row(indices[indptr[n] : indptr[n + 1]], values[indptr[n] : indptr[n + 1]], a)
+    if first < free:
+        here = slice(first, min(last, free))
+        _accelerate(of.drive, X[here], u[here], ud[here], udd[here], field[here])
+        _add_sums(weights[here], moments[here], u[here], field[here], total)
+    if last > free:
+        here = slice(max(first, free), last)
+        ties = slice(here.start - free, last - free)
+        master, arm = of.master[ties], of.arm[ties]
+        d, v, vd = tied[0, ties], tied[1, ties], tied[2, ties]
+        _carry(u, master, arm, d)
+        _carry(ud, master, arm, v)
+        _carry(udd, master, arm, vd)
+        _accelerate(of.drive, X[here], d, v, vd, field[here])
+        _add_sums(weights[here], moments[here], d, field[here], total)
+
+
+@inner_pass
+def _carry(x, master, arm, out):  # type: ignore[no-untyped-def]
+    """d + θ × arm of tied nodes."""
+    for k in range(out.shape[0]):
+        b = master[k]
+        t0, t1, t2 = x[b + 1, 0], x[b + 1, 1], x[b + 1, 2]
+        out[k, 0] = x[b, 0] + t1 * arm[k, 2] - t2 * arm[k, 1]
+        out[k, 1] = x[b, 1] + t2 * arm[k, 0] - t0 * arm[k, 2]
+        out[k, 2] = x[b, 2] + t0 * arm[k, 1] - t1 * arm[k, 0]
+
+
+@inner_pass
+def _accelerate(drive, X, u, ud, udd, out):  # type: ignore[no-untyped-def]
+    """T4 at nodes with these displacements and rates."""
+    a0, a1, a2, w0, w1, w2, e0, e1, e2 = (
+        drive[0],
+        drive[1],
+        drive[2],
+        drive[3],
+        drive[4],
+        drive[5],
+        drive[6],
+        drive[7],
+        drive[8],
+    )
+    for n in range(X.shape[0]):
+        c0, c1, c2 = X[n, 0] + u[n, 0], X[n, 1] + u[n, 1], X[n, 2] + u[n, 2]
+        y0 = w1 * c2 - w2 * c1 + 2.0 * ud[n, 0]
+        y1 = w2 * c0 - w0 * c2 + 2.0 * ud[n, 1]
+        y2 = w0 * c1 - w1 * c0 + 2.0 * ud[n, 2]
+        out[n, 0] = a0 + e1 * c2 - e2 * c1 + w1 * y2 - w2 * y1 + udd[n, 0]
+        out[n, 1] = a1 + e2 * c0 - e0 * c2 + w2 * y0 - w0 * y2 + udd[n, 1]
+        out[n, 2] = a2 + e0 * c1 - e1 * c0 + w0 * y1 - w1 * y0 + udd[n, 2]
+
+
+@inner_pass
+def _add_sums(weights, moments, u, a, out):  # type: ignore[no-untyped-def]
+    """To out (15,) the sums of `accelerations` over these nodes."""
+    s0 = s1 = s2 = q0 = q1 = q2 = q3 = q4 = q5 = f0 = f1 = f2 = m0 = m1 = m2 = 0.0
+    for n in range(u.shape[0]):
+        w, x, y, z = weights[n], moments[n, 0], moments[n, 1], moments[n, 2]
+        u0, u1, u2 = u[n, 0], u[n, 1], u[n, 2]
+        a0, a1, a2 = a[n, 0], a[n, 1], a[n, 2]
+        s0 += w * u0
+        s1 += w * u1
+        s2 += w * u2
+        q0 += (2.0 * x + w * u0) * u0
+        q1 += x * u1 + (y + w * u1) * u0
+        q2 += x * u2 + (z + w * u2) * u0
+        q3 += (2.0 * y + w * u1) * u1
+        q4 += y * u2 + (z + w * u2) * u1
+        q5 += (2.0 * z + w * u2) * u2
+        f0 += w * a0
+        f1 += w * a1
+        f2 += w * a2
+        m0 += y * a2 - z * a1
+        m1 += z * a0 - x * a2
+        m2 += x * a1 - y * a0
+    for i, total in enumerate((s0, s1, s2, q0, q1, q2, q3, q4, q5, f0, f1, f2, m0, m1, m2)):
+        out[i] += total
+
+
+@SharedPass
+def inertia_forces(of: NodalForces, part: int, parts: int) -> None:
+    """F = μ a: less C g on free nodes' blocks, whole on tied nodes; resultant and moment Φ(c)ᵀF of the free to `wrenches`."""
+    indptr, indices, values, a = of.indptr, of.indices, of.values, of.field
+    X, u, nodal, on_tied = of.nodes, of.u.reshape(-1, 3), of.nodal.reshape(-1, 3), of.on_tied
+    weights, moments, g = of.weights, of.moments, of.rigid
+    free = X.shape[0] - on_tied.shape[0]
+    total = of.wrenches[part]
+    total[:] = 0.0
+    for n in range(of.starts[part], of.starts[part + 1]):
+        y0 = y1 = y2 = 0.0
+        for p in range(np.uint32(indptr[n]), np.uint32(indptr[n + 1])):
+            m, value = np.uint32(indices[p]), values[p]  # unsigned: no look for places from the end
+            y0 += value * a[m, 0]
+            y1 += value * a[m, 1]
+            y2 += value * a[m, 2]
         if n < free:
             nodal[n, 0], nodal[n, 1], nodal[n, 2] = _less_rigid(y0, y1, y2, weights[n], moments[n], g)
             _add_wrench(y0, y1, y2, X[n, 0] + u[n, 0], X[n, 1] + u[n, 1], X[n, 2] + u[n, 2], total)
@@ -139,17 +177,18 @@ def inertia_forces(  # type: ignore[no-untyped-def]
             on_tied[n - free, 0], on_tied[n - free, 1], on_tied[n - free, 2] = y0, y1, y2
 
 
-@njit(cache=True)
-def gather_tied(on_tied, weights, moments, g, X, u, master, arm, nodal, frame):  # type: ignore[no-untyped-def]
-    """What `inertia_forces` leaves on tied nodes, less C g, on their attachments' blocks, and all of it on the frame."""
-    free = X.shape[0] - master.size
+@SharedPass
+def gather_tied(of: NodalForces, part: int, parts: int) -> None:
+    """What `inertia_forces` leaves on tied nodes, less C g, on their attachments' blocks, and all on the frame; in one part."""
+    X, nodal, d, on_tied, frame = of.nodes, of.nodal.reshape(-1, 3), of.tied[0], of.on_tied, of.wrenches[0]
+    weights, moments, g = of.weights, of.moments, of.rigid
+    free = X.shape[0] - on_tied.shape[0]
     for b in range(free, nodal.shape[0]):
         nodal[b, :] = 0.0
-    for k in range(master.size):
-        n, b, r = free + k, master[k], arm[k]
+    for k in range(on_tied.shape[0]):
+        n, b, r = free + k, of.master[k], of.arm[k]
         y0, y1, y2 = on_tied[k, 0], on_tied[k, 1], on_tied[k, 2]
-        u0, u1, u2 = _tied_value(u, b, r)
-        _add_wrench(y0, y1, y2, X[n, 0] + u0, X[n, 1] + u1, X[n, 2] + u2, frame)
+        _add_wrench(y0, y1, y2, X[n, 0] + d[k, 0], X[n, 1] + d[k, 1], X[n, 2] + d[k, 2], frame)
         x, y, z = _less_rigid(y0, y1, y2, weights[n], moments[n], g)
         nodal[b, 0] += x
         nodal[b, 1] += y
@@ -159,24 +198,7 @@ def gather_tied(on_tied, weights, moments, g, X, u, master, arm, nodal, frame): 
         nodal[b + 1, 2] += r[0] * y - r[1] * x
 
 
-@njit(cache=True)
-def _value(x, n):  # type: ignore[no-untyped-def]
-    return x[n, 0], x[n, 1], x[n, 2]
-
-
-@njit(cache=True, fastmath={"contract"})
-def _row(indices, values, a):  # type: ignore[no-untyped-def]
-    """One row of μ a."""
-    y0 = y1 = y2 = 0.0
-    for p in range(indices.size):
-        m, value = np.uint32(indices[p]), values[p]  # unsigned: no look for places from the end
-        y0 += value * a[m, 0]
-        y1 += value * a[m, 1]
-        y2 += value * a[m, 2]
-    return y0, y1, y2
-
-
-@njit(cache=True)
+@inner_pass
 def _less_rigid(y0, y1, y2, weight, moment, g):  # type: ignore[no-untyped-def]
     """y less C g at a node."""
     return (
@@ -186,7 +208,7 @@ def _less_rigid(y0, y1, y2, weight, moment, g):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True)
+@inner_pass
 def _add_wrench(y0, y1, y2, c0, c1, c2, out):  # type: ignore[no-untyped-def]
     """To out (6,) the force y at c, and its moment."""
     out[0] += y0

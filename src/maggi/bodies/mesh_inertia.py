@@ -16,6 +16,18 @@ from .mean_axes import MeanAxes
 Array = NDArray[np.float64]
 
 
+class InertiaForces(Protocol):
+    """The inertia forces of one set of fields, to be found again and again."""
+
+    def residual(self, drive: Array, frame: Array, axes: MeanAxes | None = None) -> tuple[Array, Array]:
+        """Inertia forces on the freedoms, in the array that they were asked for in, and on the frame, `frame` (6,).
+
+        drive (3, 3): acceleration a_O of the frame's origin less gravity, ω and ε, body axes. Eq. T2, T5, T5a. With mean
+        axes given, forces on the freedoms are Pᵀ of what they would be (T6). Returns S and J as `MeshInertia.frame_inertia`
+        does; valid until the next call.
+        """
+
+
 class MeshInertia(Protocol):
     """What a meshed body's motion does to it, whatever its elements. u, u̇, ü are on the body's freedoms (nd,)."""
 
@@ -27,23 +39,8 @@ class MeshInertia(Protocol):
     def matrix(self) -> sp.csr_matrix:
         """M on the body's freedoms, made anew each time."""
 
-    def residual(
-        self,
-        a_O: Array,
-        w: Array,
-        eps: Array,
-        u: Array,
-        ud: Array,
-        udd: Array,
-        nodal: Array,
-        frame: Array,
-        axes: MeanAxes | None = None,
-    ) -> tuple[Array, Array]:
-        """Inertia forces on the freedoms, `nodal` (nd,), and on the frame, `frame` (6,), set in place.
-
-        a_O (3,): acceleration of the frame's origin less gravity, w, eps: body axes. Eq. T2, T5, T5a. With mean axes
-        given, `nodal` is Pᵀ of the forces (T6). Returns S and J as `frame_inertia` does; valid until the next call.
-        """
+    def forces(self, u: Array, ud: Array, udd: Array, nodal: Array) -> InertiaForces:
+        """Of the fields in these arrays, at any time, on the freedoms, `nodal` (nd,)."""
 
     def multiply_mass(self, x: Array, out: Array) -> None:
         """``out = M x``, (nd,)."""

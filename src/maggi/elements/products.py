@@ -16,7 +16,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from maggi.linalg.shared import SharedPass
+from maggi.linalg.shared import SharedPass, inner_pass
+from maggi.linalg.table import Table
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -24,6 +25,32 @@ IntArray = NDArray[np.int32]
 PARTS = 4  # of a triangle's rows; each costs a field to add up
 SMALL = 1000  # nodes below which one part does
 NONE = np.empty(0)  # in place of the vector of a square that is not asked for
+
+
+@dataclass(frozen=True, eq=False)
+class Product(Table):
+    """A product ``out += K x`` of certain arrays, to be done again and again; with v not empty also vᵀK v.
+
+    indptr, indices, blocks, starts, ends, sums, squares: see `SymmetricBlocks`. x, v, out (3n,).
+    """
+
+    indptr: IntArray
+    indices: IntArray
+    blocks: Array
+    starts: NDArray[np.int64]
+    ends: NDArray[np.int64]
+    sums: Array
+    squares: Array
+    x: Array
+    v: Array
+    out: Array
+
+    def add(self) -> float:
+        """``out += K x``; returns vᵀK v, or 0."""
+        parts = self.squares.size
+        _multiply(self, parts)
+        _add_up(self, parts)
+        return math.fsum(self.squares)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,29 +85,20 @@ class SymmetricBlocks:
         sums = np.empty((parts, n, 3)), np.empty(parts)
         return SymmetricBlocks(indptr, indices, blocks, starts, ends.astype(np.int64), *sums)
 
+    def product(self, x: Array, out: Array, v: Array = NONE) -> Product:
+        """``out += K x`` of these arrays, (3n,) and C-contiguous, and vᵀK v: K is read once, and both take 1.3 times as long.
+
+        Raises ValueError for arrays of other sizes.
+        """
+        size = 3 * (self.indptr.size - 1)
+        if x.size != size or out.size != size or v.size not in (0, size):
+            raise ValueError(f"a product of {size} rows got {x.size}, {out.size} and {v.size} values")
+        rows = self.indptr, self.indices, self.blocks, self.starts, self.ends
+        return Product(*rows, self.sums, self.squares, x, v, out)
+
     def add_product(self, x: Array, out: Array) -> None:
-        """``out += K x``; x and out are C-contiguous, (3n,)."""
-        self._add(x, out, NONE)
-
-    def add_product_and_square(self, x: Array, out: Array, v: Array) -> float:
-        """``out += K x``, and returns vᵀK v: K is read once, and both take 1.3 times as long as the product; (3n,)."""
-        _check(x.size, v, out)
-        self._add(x, out, v)
-        return math.fsum(self.squares)
-
-    def _add(self, x: Array, out: Array, v: Array) -> None:
-        _check(3 * (self.indptr.size - 1), x, out)
-        rows, parts = (self.indptr, self.indices, self.blocks, self.starts, self.ends), self.squares.size
-        _multiply(parts, *rows, x.reshape(-1, 3), v.reshape(-1, 3), self.sums, self.squares)
-        _add_up(parts, self.starts, self.ends, self.sums, out.reshape(-1, 3))
-
-
-def _check(size: int, x: Array, out: Array) -> None:
-    # The kernels do not look at bounds.
-    if x.size != size or out.size != size:
-        raise ValueError(f"a product of {size} rows got {x.size} and {out.size} values")
-    if not (x.flags.c_contiguous and out.flags.c_contiguous):
-        raise ValueError("the arrays must be C-contiguous")
+        """``out += K x``, once."""
+        self.product(x, out).add()
 
 
 @numba.njit(cache=True)
@@ -108,7 +126,7 @@ def _upper_triangle(indptr: IntArray, indices: IntArray, blocks: Array) -> tuple
     return first, chosen, values
 
 
-@numba.njit(cache=True, fastmath={"contract"})
+@inner_pass
 def _times(b, x0, x1, x2):  # type: ignore[no-untyped-def]
     """A block's product (3,) with x."""
     return (
@@ -118,7 +136,7 @@ def _times(b, x0, x1, x2):  # type: ignore[no-untyped-def]
     )
 
 
-@numba.njit(cache=True, fastmath={"contract"})
+@inner_pass
 def _add_transposed(b, x0, x1, x2, y):  # type: ignore[no-untyped-def]
     """``y += bᵀ x`` of a block."""
     y[0] += b[0, 0] * x0 + b[1, 0] * x1 + b[2, 0] * x2
@@ -127,13 +145,16 @@ def _add_transposed(b, x0, x1, x2, y):  # type: ignore[no-untyped-def]
 
 
 @SharedPass
-def _multiply(part, parts, indptr, indices, blocks, starts, ends, x, v, sums, squares, done):  # type: ignore[no-untyped-def]
-    """What the rows of a part add to K x (n, 3), into its `sums`. v (n, 3), or (0, 3) where vᵀK v is not asked for."""
+def _multiply(of: Product, part: int, parts: int) -> None:
+    """What the rows of a part add to K x, into its `sums`."""
+    indptr, indices, blocks = of.indptr, of.indices, of.blocks
+    x, v = of.x.reshape(-1, 3), of.v.reshape(-1, 3)
+    first, last = of.starts[part], of.starts[part + 1]
+    y = of.sums[part]
+    y[first : of.ends[part]] = 0.0
     squared = v.shape[0] > 0
-    y = sums[part]
-    y[starts[part] : ends[part]] = 0.0
     square = 0.0
-    for n in range(starts[part], starts[part + 1]):
+    for n in range(first, last):
         p = indptr[n]
         u0, u1, u2 = x[n, 0], x[n, 1], x[n, 2]
         y0, y1, y2 = _times(blocks[p], u0, u1, u2)
@@ -157,20 +178,21 @@ def _multiply(part, parts, indptr, indices, blocks, starts, ends, x, v, sums, sq
             v0, v1, v2 = v[n, 0], v[n, 1], v[n, 2]
             z0, z1, z2 = _times(blocks[p], v0, v1, v2)
             square += (z0 + 2.0 * w0) * v0 + (z1 + 2.0 * w1) * v1 + (z2 + 2.0 * w2) * v2
-    squares[part] = square
+    of.squares[part] = square
 
 
 @SharedPass
-def _add_up(part, parts, starts, ends, sums, out, done):  # type: ignore[no-untyped-def]
+def _add_up(of: Product, part: int, parts: int) -> None:
     """``out += `` the sums of all parts, for a part of the nodes."""
+    out, sums = of.out.reshape(-1, 3), of.sums
     first, last = out.shape[0] * part // parts, out.shape[0] * (part + 1) // parts
     for k in range(parts):
-        low, high = max(first, starts[k]), min(last, ends[k])
+        low, high = max(first, of.starts[k]), min(last, of.ends[k])
         if low < high:
             _add_field(sums[k, low:high], out[low:high])
 
 
-@numba.njit(cache=True)
+@inner_pass
 def _add_field(x, out):  # type: ignore[no-untyped-def]
     for n in range(out.shape[0]):
         for i in range(3):

@@ -1,83 +1,96 @@
-"""Passes of every step that numba's threads share: generalised functions of numpy's, which numba compiles for them.
+"""Passes of every step that numba's threads share.
 
-A parallel loop of numba's (`prange`) would do the same, and takes two to four times as long to compile.
+A parallel loop of numba's (`prange`) would do the same; but it takes twice as long to compile as what is in it, and costs
+some microseconds an array at every call. Here one generalised function of numpy's, compiled once for numba's threads, calls
+any kernel by its address, as `links` do.
 """
 
 from __future__ import annotations
 
-import string
 from collections.abc import Callable
-from typing import Any
+from functools import cache
+from typing import Any, ParamSpec, TypeVar
 
-import numba
 import numpy as np
-from numba import guvectorize, types
+from llvmlite import ir
+from numba import guvectorize, njit, types
+from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from . import compiling as compiling  # for its effect
+from .links import POINTER
+from .table import Table, TableType, numba_type
 
-_guvectorize: Any = guvectorize  # which has no types
-Numbers = NDArray[np.int64]
-Kind = (
-    tuple[str, int, bool] | type
-)  # of an array: dtype's character, dimensions, whether C-contiguous; of a number: its type
+_njit: Any = njit  # its types leave out the entries that it can do without
+_guvectorize: Any = guvectorize
+
+
+P = ParamSpec("P")
+R = TypeVar("R")
+_OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}, "no_cpython_wrapper": True}
+
+
+def inner_pass(function: Callable[P, R]) -> Callable[P, R]:
+    """What kernels of passes are made of: products and sums may be contracted there too; only compiled functions call it."""
+    compiled: Callable[P, R] = _njit(no_cfunc_wrapper=True, **_OPTIONS)(function)
+    return compiled
 
 
 class SharedPass:
-    """``kernel(part, parts, *arguments, done)`` for every part of some, compiled when first called and kept on disk.
+    """A kernel ``f(table, part, parts)`` for every part of some; call it with a table, and how many parts there are.
 
-    Call it with the number of parts and the arguments: C-contiguous arrays, and numbers. What the kernel writes for one
-    part must not depend on the others; then nothing depends on the number of threads. It leaves `done` alone: generalised
-    functions have a result.
-
-        @SharedPass
-        def double(part, parts, x, done):
-            for i in range(x.size * part // parts, x.size * (part + 1) // parts):
-                x[i] *= 2.0
-
-        double(4, x)
-
-    Loops over an array from somewhere in its middle numba does not vectorise, for it looks for negative places; over a
-    slice it does.
+    What it writes for one part must not depend on the others; then nothing depends on the number of threads. Products and
+    sums may be contracted. Loops over an array from somewhere in its middle numba does not vectorise, for it
+    looks for negative places; over a slice it does.
     """
 
-    def __init__(self, kernel: Callable[..., None]) -> None:
-        self.__doc__ = kernel.__doc__
-        self._kernel = kernel
-        self._compiled: dict[tuple[Kind, ...], Callable[..., object]] = {}
-        self._numbers: dict[int, tuple[Numbers, NDArray[np.int8]]] = {}
+    def __init__(self, function: Callable[..., None]) -> None:
+        """Of a function to be compiled."""
+        self.kernel: Any = _njit(**_OPTIONS)(function)
+        self.__doc__ = function.__doc__
+        self._addresses: dict[TableType, int] = {}
 
-    def __call__(self, parts: int, *arguments: Any) -> None:
-        """Raises ValueError for an array that is not C-contiguous: kernels take it for one."""
-        found = self._numbers.get(parts)
-        if found is None:
-            found = self._numbers[parts] = np.arange(parts), np.zeros(parts, np.int8)
-        # Arrays of just these kinds numpy hands on as they are. Of others it would make copies, and writing be lost.
-        kinds = tuple(
-            [(a.dtype.char, a.ndim, a.flags.c_contiguous) if type(a) is np.ndarray else type(a) for a in arguments]
-        )
-        run = self._compiled.get(kinds)
-        if run is None:
-            run = self._compiled[kinds] = self._compile(kinds)
-        numbers, done = found
-        run(numbers, parts, *arguments, done)
+    def __call__(self, table: Table, parts: int) -> None:
+        """Do all parts; they are `parts` in number."""
+        kind = numba_type(table)
+        address = self._addresses.get(kind)
+        if address is None:
+            address = self._addresses[kind] = self._address(kind)
+        numbers, done = _numbers(parts)
+        _run()(numbers, parts, address, table.__dict__["_address"], done)
 
-    def _compile(self, kinds: tuple[Kind, ...]) -> Callable[..., object]:
-        names = iter(string.ascii_letters)
-        signature: list[Any] = [types.int64, types.int64]
-        shapes = ["()", "()"]
-        for place, kind in enumerate(kinds):
-            if isinstance(kind, type):
-                signature.append(numba.from_dtype(np.dtype(kind)))
-                shapes.append("()")
-                continue
-            character, ndim, contiguous = kind
-            if not contiguous:
-                raise ValueError(f"argument {place} of the pass {self._kernel.__name__} is not C-contiguous")
-            signature.append(types.Array(numba.from_dtype(np.dtype(character)), ndim, "C"))
-            shapes.append("(" + ",".join(next(names) for _ in range(ndim)) + ")")
-        signature.append(types.Array(types.int8, 1, "C"))
-        layout = ",".join(shapes) + "->()"
-        decorate = _guvectorize([types.void(*signature)], layout, target="parallel", cache=True)
-        compiled: Callable[..., object] = decorate(self._kernel)
-        return compiled
+    def _address(self, kind: TableType) -> int:
+        signature = (kind, types.int64, types.int64)
+        self.kernel.compile(signature)
+        compiled = self.kernel.overloads[signature]
+        return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
+
+
+@cache
+def _numbers(parts: int) -> tuple[NDArray[np.int64], NDArray[np.int8]]:
+    return np.arange(parts), np.zeros(parts, np.int8)
+
+
+@cache
+def _run() -> Callable[..., object]:
+    """``run(part, parts, kernel's address, table's address, done)``; `done` is there since there has to be a result."""
+    signature = types.void(types.int64, types.int64, types.int64, types.int64, types.int8[::1])
+    compiled: Callable[..., object] = _guvectorize([signature], "(),(),(),()->()", target="parallel", cache=True)(_call)
+    return compiled
+
+
+def _call(part: int, parts: int, kernel: int, table: int, done: NDArray[np.int8]) -> None:
+    _call_part(kernel, table, part, parts)
+
+
+def _calling(typing_context: Any, kernel: Any, table: Any, part: Any, parts: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        function = ir.FunctionType(POINTER, [POINTER, ir.IntType(64), ir.IntType(64)])
+        entry, directory = builder.inttoptr(values[0], function.as_pointer()), builder.inttoptr(values[1], POINTER)
+        builder.call(entry, [directory, *values[2:]])
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64, types.int64, types.int64), generate
+
+
+_call_part: Any = intrinsic(_calling)

@@ -24,6 +24,7 @@ from numba.extending import NativeValue, models, register_model, unbox
 from numba.np import arrayobj
 
 WORD = ir.IntType(64)
+KINDS = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64, np.dtype(np.int32): types.int32}
 
 
 class TableType(types.Type):
@@ -39,7 +40,7 @@ class TableType(types.Type):
 class Table:
     """Base of frozen dataclasses whose fields are arrays, numbers or other tables.
 
-    Arrays are C-contiguous, of float64 or int64. Kernels write into them; nothing puts another array in their place.
+    Arrays are C-contiguous, of float64, int64 or int32. Kernels write into them; nothing puts another array in their place.
     In a kernel an array is looked up whenever it is named: name it once before a loop.
     """
 
@@ -51,12 +52,12 @@ class Table:
             value = getattr(self, field.name)
             place = len(words)
             if isinstance(value, np.ndarray):
-                if not value.flags.c_contiguous or value.dtype not in (np.float64, np.int64):
+                kind = KINDS.get(value.dtype)
+                if not value.flags.c_contiguous or kind is None:
                     raise TypeError(
-                        f"{type(self).__name__}.{field.name} is to be a contiguous array of float64 or int64, "
+                        f"{type(self).__name__}.{field.name} is to be a contiguous array of float64, int64 or int32, "
                         f"not of {value.dtype} with strides {value.strides}"
                     )
-                kind = types.float64 if value.dtype == np.float64 else types.int64
                 places.append((field.name, types.Array(kind, value.ndim, "C"), place))
                 words += [value.ctypes.data, *value.shape]
             elif isinstance(value, Table):

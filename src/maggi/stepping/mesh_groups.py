@@ -37,7 +37,7 @@ class MeshGroup:
         assert factor is not None
         if len(self.meshes) < TOGETHER:
             for mesh in self.meshes:
-                mesh.solution = factor.solve(mesh.force)
+                mesh.solution[:] = factor.solve(mesh.force)
             return
         solutions = factor.solve_many(self._forces.T)
         for k, mesh in enumerate(self.meshes):

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from maggi.bodies.mesh_body import MeshBody
+from maggi.bodies.mesh_inertia import InertiaForces
 from maggi.bodies.tables import BodyTable, MotionState
+from maggi.elements.products import Product
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.vectors import cross
 
 from .condensation import Condensation, Condensations
 from .nodal_kernels import (
     CACHED,
+    NodalStep,
     attachment_values,
     correct_nodal,
     distance,
@@ -26,7 +31,23 @@ Array = NDArray[np.float64]
 
 # Below this number of freedoms a second thread costs more than it does, many times so on a busy machine.
 THREADED = 8_000
+AT_REST = np.zeros((3, 3))
 PARTS = 16  # of the freedoms, summed separately so that sums do not depend on the number of threads
+
+
+@dataclass(frozen=True, eq=False)
+class Passes:
+    """What is done on the fields of a step again and again.
+
+    inertia: its forces at the end of the step, into `force`. momentum: M u̇ there, into scratch. product: K's with what is
+    strained there, added to `force`; squared: the same, with u̇ᵀK u̇ at the beginning.
+    """
+
+    step: NodalStep
+    inertia: InertiaForces
+    momentum: InertiaForces
+    product: Product
+    squared: Product
 
 
 class MeshStep:
@@ -34,8 +55,9 @@ class MeshStep:
 
     shared: what it shares with bodies that are the same. threaded: whether its passes are worth more than one thread.
     u, ud, udd, a: displacements (m, rad), velocities, true and algorithmic accelerations at the beginning of a
-    step; the same with `_next` at its end. Body axes, relative to the frame. force (nd,): the residual without forces at
-    the attachments; solution (nd,): Ŝ⁻¹ of it.
+    step; the same with `_next` at its end, `a_next` being that of the step before until there is a prediction. Body
+    axes, relative to the frame. force (nd,): the residual without forces at the attachments; solution (nd,): Ŝ⁻¹ of it.
+    The two halves of the fields change places with every step.
     """
 
     def __init__(
@@ -56,17 +78,54 @@ class MeshStep:
         self._elastic_part = slice(self._offset + 6, self._offset + width)  # in motions
         self._block = slice(int(table.block[index]), int(table.block[index + 1]))
         size = body.size
-        self.u, self.ud, self.udd, self.a, self.a_previous = (np.zeros(size) for _ in range(5))
-        self.u_next, self.ud_next, self.udd_next, self.a_next = (np.zeros(size) for _ in range(4))
+        fields = np.zeros((2, 4, size))
+        self.u, self.ud, self.udd, self.a = fields[0]
+        self.u_next, self.ud_next, self.udd_next, self.a_next = fields[1]
         self.force = np.zeros(size) if force is None else force
         self.solution = np.zeros(size)
         self.correction = self.deflection = 0.0
-        self._sizes, self._scratches = np.zeros((PARTS, 2)), np.zeros((PARTS, 2, CACHED))
         self._frame = np.zeros(6)
+        self._drive = np.zeros((3, 3))
         self._scratch = np.zeros(size) if body.damping.mass or body.damping.stiffness else self.force
         self._dissipation: float | None = None  # at the present, where it is known
         self.threaded = body.size >= THREADED
         self.constants = Condensation.none(body)
+        self._method, self._linear, self._forces = np.zeros(6), np.zeros(1), np.zeros((3, width - 6))
+        self._sizes, self._work = np.zeros((PARTS, 2)), np.zeros((PARTS, 2, CACHED))
+        self._fields, self._present = fields, 0  # the half of the fields that is the present
+        self._passes: tuple[Passes, Passes] | None = None
+
+    @property
+    def _made(self) -> tuple[Passes, Passes]:
+        """The passes, by the half of the fields that is the present."""
+        if self._passes is None:
+            self._passes = self._between(*self._fields), self._between(*self._fields[::-1])
+        return self._passes
+
+    def _between(self, now: Array, following: Array) -> Passes:
+        """The passes for a step between these fields, (4, nd) each."""
+        inertia, stiffness = self.body.inertia, self.shared.stiffness
+        u, ud, udd, _ = following
+        step = NodalStep(
+            self._method,
+            self._linear,
+            now,
+            following,
+            self.solution,
+            self.constants.responses,
+            np.array(self.constants.damping),
+            self._forces,
+            self._work,
+            self._sizes,
+        )
+        strained = self._scratch if self.body.damping.stiffness else u
+        return Passes(
+            step,
+            inertia.forces(u, ud, udd, self.force),
+            inertia.forces(ud, ud, ud, self._scratch),
+            stiffness.product(strained, self.force),
+            stiffness.product(strained, self.force, now[1]),
+        )
 
     # constants of a step size
 
@@ -78,14 +137,14 @@ class MeshStep:
 
     def release(self) -> None:
         """Let go of the constants in use, so that they and those which will replace them need not be held together."""
-        self.constants = Condensation.none(self.body)
+        self.constants, self._passes = Condensation.none(self.body), None
 
     def prepare_start(self, W: Array) -> None:
         """Constants of the instant (h = 0): Ŝ = M."""
         self._use(self.shared.at_rest(), W, np.zeros(W.size), np.zeros(W.size))
 
     def _use(self, constants: Condensation, W: Array, W_Z: Array, W_D: Array) -> None:
-        self.constants = constants
+        self.constants, self._passes = constants, None
         width = self._end - self._start
         for target, block in ((W, constants.W), (W_Z, constants.W_Z), (W_D, constants.W_D)):
             square = target[self._block].reshape(width, width)
@@ -96,20 +155,8 @@ class MeshStep:
 
     def predict(self, c: GeneralizedAlpha, linear: float) -> None:
         """Newmark's state with predicted accelerations (the same formulas as `prediction.predict`)."""
-        predict_nodal(
-            PARTS,
-            np.array(c),
-            linear,
-            self.u,
-            self.ud,
-            self.udd,
-            self.a,
-            self.a_previous,
-            self.u_next,
-            self.ud_next,
-            self.udd_next,
-            self.a_next,
-        )
+        self._method[:], self._linear[0] = c, linear
+        predict_nodal(self._made[self._present].step, PARTS)
 
     def residual(self, c: GeneralizedAlpha, motion: MotionState, gravity: Array, base: Array, W: Array) -> None:
         """Residual at the end of the step without forces at the attachments, ``force = PᵀM a + K u + D u̇``.
@@ -121,25 +168,24 @@ class MeshStep:
         is read.
         """
         body, o = self.body, self._offset
-        v, w = motion.v[o : o + 3], motion.v[o + 3 : o + 6]
-        a_O = motion.vd[o : o + 3] + cross(w, v) - motion.rotation[self.index].T @ gravity
-        fields, axes = (self.u_next, self.ud_next, self.udd_next), body.axes if body.floating else None
-        S, J = body.inertia.residual(a_O, w, motion.vd[o + 3 : o + 6], *fields, self.force, self._frame, axes)
+        v, w, now = motion.v[o : o + 3], motion.v[o + 3 : o + 6], self._made[self._present]
+        self._drive[0] = motion.vd[o : o + 3] + cross(w, v) - motion.rotation[self.index].T @ gravity
+        self._drive[1], self._drive[2] = w, motion.vd[o + 3 : o + 6]
+        S, J = now.inertia.residual(self._drive, self._frame, body.axes if body.floating else None)
         base[self._start : self._start + 6] = self._frame
-        strained, d = self.u_next, body.damping
+        d = body.damping
         if d.mass:
-            body.inertia.multiply_mass(self.ud_next, self._scratch)
+            now.momentum.residual(AT_REST, np.empty(6))
             self._scratch *= d.mass
             self.force += self._scratch
         if d.stiffness:
             np.multiply(self.ud_next, d.stiffness, out=self._scratch)
             self._scratch += self.u_next
-            strained = self._scratch
         if d.stiffness and self._dissipation is None:
-            square = self.shared.stiffness.add_product_and_square(strained, self.force, self.ud)
-            self._dissipation = d.stiffness * square + self._mass_dissipation()
+            self._dissipation = d.stiffness * now.squared.add()
+            self._dissipation += self._mass_dissipation()
         else:
-            self.shared.stiffness.add_product(strained, self.force)
+            now.product.add()
         if body.floating:
             width = self._end - self._start
             frame_compliance(c.sigma, body.inertia.mass, S, J, W[self._block].reshape(width, width))
@@ -154,20 +200,9 @@ class MeshStep:
     def correct(self, c: GeneralizedAlpha, force: Array, position_force: Array, velocity_force: Array) -> None:
         """Nodal increments from the free ones and the forces at the attachments, (n,) each (step 6)."""
         part = slice(self._start + 6, self._end)
-        correct_nodal(
-            PARTS,
-            np.array(c),
-            self.solution,
-            self.constants.responses,
-            *self.constants.damping,
-            np.array((force[part], position_force[part], velocity_force[part])),
-            self.u_next,
-            self.ud_next,
-            self.udd_next,
-            self.a_next,
-            self._scratches,
-            self._sizes,
-        )
+        self._method[:] = c
+        self._forces[0], self._forces[1], self._forces[2] = force[part], position_force[part], velocity_force[part]
+        correct_nodal(self._made[self._present].step, PARTS)
         self.correction = float(np.sqrt(self._sizes[:, 0].sum() / self.u.size))
         self.deflection = float(self._sizes[:, 1].max())
 
@@ -177,7 +212,7 @@ class MeshStep:
 
     def rescale(self, ratio: float) -> None:
         """Algorithmic accelerations for steps `ratio` times as long: a = v̇ + O(h)."""
-        self.a = self.udd + ratio * (self.a - self.udd)
+        self.a[:] = self.udd + ratio * (self.a - self.udd)
 
     def accept(self) -> None:
         """Make the end of the step the present.
@@ -187,10 +222,11 @@ class MeshStep:
         """
         if self.body.floating:
             self.body.axes.project(self.a_next)
-        self.a_previous, self.a, self.a_next = self.a, self.a_next, self.a_previous
         self.u, self.u_next = self.u_next, self.u
         self.ud, self.ud_next = self.ud_next, self.ud
         self.udd, self.udd_next = self.udd_next, self.udd
+        self.a, self.a_next = self.a_next, self.a
+        self._present = 1 - self._present
         self._dissipation = None
 
     def settle(self) -> None:
@@ -229,7 +265,7 @@ class MeshStep:
     def _mass_dissipation(self) -> float:
         if not self.body.damping.mass:
             return 0.0
-        self.body.inertia.multiply_mass(self.ud, self._scratch)
+        self._made[1 - self._present].momentum.residual(AT_REST, np.empty(6))  # at the end of the step to the present
         return self.body.damping.mass * inner_product(self.ud, self._scratch)
 
     def energies(self, motion: MotionState, gravity: Array) -> tuple[float, float, float]:

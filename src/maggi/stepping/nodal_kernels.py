@@ -2,56 +2,116 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
-from maggi.linalg.shared import SharedPass
+from maggi.linalg.shared import SharedPass, inner_pass
+from maggi.linalg.table import Table
 
 Array = NDArray[np.float64]
 
 CACHED = 512  # freedoms that a pass over many fields takes at a time, so that what it reads twice is still at hand
 
 
+@dataclass(frozen=True, eq=False)
+class NodalStep(Table):
+    """The nodal fields of a body through a step, and what changes them; all (nd,) where nothing else is said.
+
+    method (6,): `GeneralizedAlpha`. linear (1,): 1 where accelerations are extrapolated by a line, 0 where kept. now,
+    following (4, nd): u, u̇, ü and a at the beginning and at the end of the step; before the prediction the last a is that
+    of the step before. solution: Ŝ⁻¹ of the residual. responses (k, 12, nd), damping (2,): see `Condensation`. forces
+    (3, 6k): φ, π, κ. scratch (p, 2, CACHED). sizes (p, 2): sums of δ² and the largest |u| of p equal parts of the freedoms.
+    """
+
+    method: Array
+    linear: Array
+    now: Array
+    following: Array
+    solution: Array
+    responses: Array
+    damping: Array
+    forces: Array
+    scratch: Array
+    sizes: Array
+
+
 @SharedPass
-def predict_nodal(  # type: ignore[no-untyped-def]
-    part, parts, method, linear, u, ud, udd, a, a_previous, u_next, ud_next, udd_next, a_next, done
-):
+def predict_nodal(of: NodalStep, part: int, parts: int) -> None:
     """The state at the end of the step with predicted accelerations: `prediction.predict` for nodal freedoms."""
-    c = _coefficients(method)
-    here = slice(u.size * part // parts, u.size * (part + 1) // parts)
-    now, following = (
-        (u[here], ud[here], udd[here], a[here]),
-        (u_next[here], ud_next[here], udd_next[here], a_next[here]),
-    )
-    _predict(c, linear, now, a_previous[here], following)
+    c, linear = _coefficients(of.method), of.linear[0]
+    x0, x1 = c.h * (1.0 - c.gamma), c.h * c.gamma
+    y0, y1 = c.h * c.h * (0.5 - c.beta), c.h * c.h * c.beta
+    z0, z1, z2 = (1.0 - c.alpha_m) / (1.0 - c.alpha_f), c.alpha_m / (1.0 - c.alpha_f), c.alpha_f / (1.0 - c.alpha_f)
+    now, following = of.now, of.following
+    size = now.shape[1]
+    end = size * (part + 1) // parts
+    for first in range(size * part // parts, end, CACHED):
+        here = slice(first, min(first + CACHED, end))
+        u, ud, udd, a, a_next = now[0][here], now[1][here], now[2][here], now[3][here], following[3][here]
+        if linear == 0.0:  # whatever is left of a step that failed
+            a_next[:] = a
+        _combine(1.0 + linear, a, -linear, a_next, 0.0, a, 0.0, a, a_next)
+        _combine(z0, a_next, z1, a, -z2, udd, 0.0, a, following[2][here])
+        _combine(1.0, ud, x0, a, x1, a_next, 0.0, a, following[1][here])
+        _combine(1.0, u, c.h, ud, y0, a, y1, a_next, following[0][here])
 
 
-@njit(cache=True, fastmath={"contract"})
-def _predict(c, linear, now, a_previous, following):  # type: ignore[no-untyped-def]
-    # All arrays are read from their beginning: such a loop LLVM vectorises.
-    u, ud, udd, a = now
-    u_next, ud_next, udd_next, a_next = following
-    for i in range(u.size):
-        b = a[i] + linear * (a[i] - a_previous[i])
-        a_next[i] = b
-        udd_next[i] = ((1.0 - c.alpha_m) * b + c.alpha_m * a[i] - c.alpha_f * udd[i]) / (1.0 - c.alpha_f)
-        ud_next[i] = ud[i] + c.h * ((1.0 - c.gamma) * a[i] + c.gamma * b)
-        u_next[i] = u[i] + c.h * ud[i] + c.h * c.h * ((0.5 - c.beta) * a[i] + c.beta * b)
+@inner_pass
+def _combine(w0: float, x: Array, w1: float, y: Array, w2: float, z: Array, w3: float, w: Array, out: Array) -> None:
+    """``out = w0 x + w1 y + w2 z + w3 w``; loops that write one array LLVM vectorises."""
+    for i in range(out.size):
+        out[i] = w0 * x[i] + w1 * y[i] + w2 * z[i] + w3 * w[i]
 
 
-@njit(cache=True)
+@inner_pass
 def _coefficients(method: Array) -> GeneralizedAlpha:
     return GeneralizedAlpha(method[0], method[1], method[2], method[3], method[4], method[5])
 
 
-@njit(cache=True, fastmath={"contract"})
-def _add_columns(columns: Array, weights: Array, factor: float, more: Array, here: slice, out: Array) -> None:
-    """``out += columnsᵀ (weights + factor more)`` of the freedoms here; columns (6, nd), weights, more (6,).
+@SharedPass
+def correct_nodal(of: NodalStep, part: int, parts: int) -> None:
+    """δ = −x − Yφ − Zπ − Z_Dκ and what follows from it, with the shifts Yπ, Yκ (Theory §5, step 6); x becomes −δ."""
+    c = _coefficients(of.method)
+    x, responses, forces, y, z = of.solution, of.responses, of.forces, of.damping[0], of.damping[1]
+    u_next, ud_next, udd_next, a_next = of.following[0], of.following[1], of.following[2], of.following[3]
+    scratch = of.scratch[part]
+    total = 0.0
+    largest = 0.0
+    end = x.size * (part + 1) // parts
+    for first in range(x.size * part // parts, end, CACHED):
+        here = slice(first, min(first + CACHED, end))
+        negative = x[here]
+        moved, quickened = scratch[0, : negative.size], scratch[1, : negative.size]
+        moved[:] = 0.0
+        quickened[:] = 0.0
+        for k in range(responses.shape[0]):
+            six = slice(6 * k, 6 * k + 6)
+            phi, pi, kappa, Y, Z = forces[0, six], forces[1, six], forces[2, six], responses[k, :6], responses[k, 6:]
+            if max(_largest(phi), _largest(pi), _largest(kappa)) == 0.0:
+                continue
+            _add_columns(Y, phi, y, kappa, here, negative)
+            _add_columns(Z, pi, z, kappa, here, negative)
+            _add_columns(Y, pi, 0.0, pi, here, moved)
+            _add_columns(Y, kappa, 0.0, kappa, here, quickened)
+        _add(-1.0, negative, a_next[here])
+        _add(-c.sigma, negative, udd_next[here])
+        _add(-c.gamma * c.h, negative, ud_next[here])
+        _add(1.0, quickened, ud_next[here])
+        _add(-c.beta * c.h * c.h, negative, u_next[here])
+        _add(1.0, moved, u_next[here])
+        total += inner_product(negative, negative)
+        largest = max(largest, _largest(u_next[here]))
+    of.sizes[part, 0] = total
+    of.sizes[part, 1] = largest
 
-    One array is written, and all are read from their beginning: such a loop LLVM vectorises.
-    """
+
+@inner_pass
+def _add_columns(columns: Array, weights: Array, factor: float, more: Array, here: slice, out: Array) -> None:
+    """``out += columnsᵀ (weights + factor more)`` of the freedoms here; columns (6, nd), weights, more (6,)."""
     y0, y1, y2, y3, y4, y5 = (
         columns[0][here],
         columns[1][here],
@@ -66,22 +126,14 @@ def _add_columns(columns: Array, weights: Array, factor: float, more: Array, her
         out[i] += y0[i] * w0 + y1[i] * w1 + y2[i] * w2 + y3[i] * w3 + y4[i] * w4 + y5[i] * w5
 
 
-@njit(cache=True)
-def inner_product(x: Array, y: Array) -> float:
-    """x · y, in one order: BLAS would share it among its threads."""
-    total = 0.0
-    for i in range(x.size):
-        total += x[i] * y[i]
-    return total
-
-
-@njit(cache=True)
-def _clear(out: Array) -> None:
+@inner_pass
+def _add(factor: float, x: Array, out: Array) -> None:
+    """``out += factor x``."""
     for i in range(out.size):
-        out[i] = 0.0
+        out[i] += factor * x[i]
 
 
-@njit(cache=True)
+@inner_pass
 def _largest(x: Array) -> float:
     """The largest absolute value."""
     largest = 0.0
@@ -90,51 +142,13 @@ def _largest(x: Array) -> float:
     return largest
 
 
-@njit(cache=True, fastmath={"contract"})
-def _subtract(factor: float, x: Array, out: Array) -> None:
-    """``out −= factor x``."""
-    for i in range(out.size):
-        out[i] -= factor * x[i]
-
-
-@SharedPass
-def correct_nodal(  # type: ignore[no-untyped-def]
-    part, parts, method, x, responses, y, z, forces, u_next, ud_next, udd_next, a_next, scratch, sizes, done
-):
-    """δ = −x − Yφ − Zπ − Z_Dκ and what follows from it, with the shifts Yπ, Yκ (Theory §5, step 6).
-
-    x (nd,) becomes −δ. responses (k, 12, nd), y, z: see `Condensation`. forces (3, 6k): φ, π, κ. scratch
-    (p, 2, CACHED). sizes (p, 2): sums of δ² and the largest |u| of p equal parts of the freedoms.
-    """
-    c = _coefficients(method)
+@njit(cache=True)
+def inner_product(x: Array, y: Array) -> float:
+    """x · y, in one order: BLAS would share it among its threads."""
     total = 0.0
-    largest = 0.0
-    end = x.size * (part + 1) // parts
-    for first in range(x.size * part // parts, end, CACHED):
-        here = slice(first, min(first + CACHED, end))
-        negative = x[here]
-        moved, quickened = scratch[part, 0, : negative.size], scratch[part, 1, : negative.size]
-        _clear(moved)
-        _clear(quickened)
-        for k in range(responses.shape[0]):
-            of = slice(6 * k, 6 * k + 6)
-            phi, pi, kappa, Y, Z = forces[0, of], forces[1, of], forces[2, of], responses[k, :6], responses[k, 6:]
-            if max(_largest(phi), _largest(pi), _largest(kappa)) == 0.0:
-                continue
-            _add_columns(Y, phi, y, kappa, here, negative)
-            _add_columns(Z, pi, z, kappa, here, negative)
-            _add_columns(Y, pi, 0.0, pi, here, moved)
-            _add_columns(Y, kappa, 0.0, kappa, here, quickened)
-        _subtract(1.0, negative, a_next[here])
-        _subtract(c.sigma, negative, udd_next[here])
-        _subtract(c.gamma * c.h, negative, ud_next[here])
-        _subtract(-1.0, quickened, ud_next[here])
-        _subtract(c.beta * c.h * c.h, negative, u_next[here])
-        _subtract(-1.0, moved, u_next[here])
-        total += inner_product(negative, negative)
-        largest = max(largest, _largest(u_next[here]))
-    sizes[part, 0] = total
-    sizes[part, 1] = largest
+    for i in range(x.size):
+        total += x[i] * y[i]
+    return total
 
 
 @njit(cache=True)

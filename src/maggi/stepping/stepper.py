@@ -151,7 +151,6 @@ class Stepper:
         for mesh in self.meshes:
             mesh.a_next[:] = mesh.udd_next
             mesh.accept()
-            mesh.a_previous = mesh.a.copy()
         for mesh in self.meshes:
             mesh.write_small(self.trial.accepted, vectors)
         self._alike = 0
@@ -245,10 +244,10 @@ class Stepper:
         for mesh in self.meshes:
             mesh.predict(c, float(self._alike > 0))
         if not self._converge(c, t, exact=self.policy.exact):
-            self.reason = iteration.NOT_CONVERGED
+            self.reason, self._alike = iteration.NOT_CONVERGED, 0
             return False
         if not self._accurate(c):
-            self.reason = iteration.TOO_LARGE
+            self.reason, self._alike = iteration.TOO_LARGE, 0
             return False
         self.policy.accepted()
         self._account()
