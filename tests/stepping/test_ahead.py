@@ -10,6 +10,14 @@ import pytest
 
 from maggi.stepping import ahead
 
+# Says that the rows are compiled, after a while, and goes on.
+REPORT = f"""
+import pathlib, sys, time
+time.sleep(0.3)
+next(pathlib.Path(sys.argv[1]).glob("{ahead.CLAIMS}*")).joinpath("{ahead.ROWS}").touch()
+time.sleep(2)
+"""
+
 
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -40,6 +48,29 @@ def test_the_run_waits_and_says_why(cache: Path, monkeypatch: pytest.MonkeyPatch
     ahead.announce(said.append)
     ahead.finish()
     assert len(said) == 1
+
+
+def test_the_run_waits_for_the_rows_and_does_something_else_meanwhile(
+    cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start = subprocess.Popen
+    monkeypatch.setattr(subprocess, "Popen", lambda _, **k: start([sys.executable, "-c", REPORT, str(cache)], **k))
+    ahead.await_rows(lambda: pytest.fail("nobody else compiles"))
+    ahead.begin()
+    done: list[bool] = []
+    ahead.await_rows(lambda: done.append(any(cache.rglob(ahead.ROWS))))
+    assert done == [False]
+    assert any(cache.rglob(ahead.ROWS))
+    assert ahead._pending[0].poll() is None  # not for the whole of it
+    ahead.finish()
+
+
+def test_nobody_waits_for_rows_of_a_process_that_has_died(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    start = subprocess.Popen
+    monkeypatch.setattr(subprocess, "Popen", lambda _, **k: start([sys.executable, "-c", "raise SystemExit(1)"], **k))
+    ahead.begin()
+    ahead.await_rows()
+    ahead.finish()
 
 
 def test_a_cache_folder_that_is_not_there_yet_is_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -102,7 +133,7 @@ def test_the_kernels_that_are_compiled_are_the_ones_that_runs_use(cache: Path, m
     ahead.compile_step(str(claims))
     assert (cache / ahead.MARKER).exists()
     assert {path.name for path in claims.iterdir()} == {
-        *("evaluate", "refresh", "correct", "accept", "predict", "advance", "show")
+        *("evaluate", "refresh", "correct", "accept", "predict", "advance", "show", ahead.ROWS)
     }
     count = len(iteration.advance.signatures)
     from maggi.analyses.transient import run

@@ -16,6 +16,7 @@ from maggi.model.bodies import ElasticBody
 from maggi.model.errors import ModelError, SimulationError
 from maggi.model.model import Model
 from maggi.model.simulation import Simulation
+from maggi.stepping import ahead
 from maggi.stepping.stepper import Counts, Stepper
 from maggi.system.build import RecordedMotion, build_system, has_recorded_motion
 from maggi.system.system import System
@@ -131,8 +132,15 @@ def _built(model: Model, progress: Progress, timings: dict[str, float], *, dense
         timings["rigid run"] = time.perf_counter() - clock
         clock = time.perf_counter()
     system = build_system(model, recorded=recorded, dense=dense, meshes=meshes, announce=progress.stage)
+    ahead.await_rows(_compile_passes if system.mesh_bodies else None)
     timings["assembly"] = time.perf_counter() - clock
     return system
+
+
+def _compile_passes() -> None:
+    from maggi.stepping.mesh_passes import compile_passes  # others do without what meshes need
+
+    compile_passes()
 
 
 def started(

@@ -75,7 +75,8 @@ def _subtract(scale, arm, rest, out_scale, out_arm, out_rest, inverse, x):  # ty
         m0 += p1 * x2 - p2 * x1
         m1 += p2 * x0 - p0 * x2
         m2 += p0 * x1 - p1 * x0
-    total = np.array([f0, f1, f2, m0, m1, m2])
+    total = np.empty(6)
+    total[0], total[1], total[2], total[3], total[4], total[5] = f0, f1, f2, m0, m1, m2
     for k in range(rest.shape[0]):
         for i in range(3):
             for j in range(6):

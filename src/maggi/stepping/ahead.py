@@ -12,11 +12,13 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
 MARKER = "step-compiled"
 CLAIMS = "claims-"
+ROWS = "rows-compiled"  # among the claims
 _pending: list[subprocess.Popen[bytes]] = []
 _claims: list[Path] = []  # the folder that both processes put their claims in
 
@@ -41,6 +43,19 @@ def announce(say: Callable[[str], None]) -> None:
     """Tell that a run waits for compilations, if it does."""
     if any(process.poll() is None for process in _pending):
         say("compiling the step's kernels (once per installation)")
+
+
+def await_rows(meanwhile: Callable[[], object] | None = None) -> None:
+    """Where the second process is compiling the liaisons' rows, do something else, then wait for them.
+
+    That process begins with them, so the first, which needs them to look for the initial state, had better not.
+    """
+    if not _pending:
+        return
+    if meanwhile is not None:
+        meanwhile()
+    while _pending[0].poll() is None and not any((claims / ROWS).exists() for claims in _claims):
+        time.sleep(0.01)
 
 
 def share(compilations: Iterable[tuple[str, Callable[[], object]]]) -> None:
@@ -92,6 +107,7 @@ def compile_step(claims: str) -> None:
     _claims.append(Path(claims))
     system = build_system(Model(bodies={"body": RigidBody(1.0)}))
     dense_rows(system, system.start, 0.0)
+    (Path(claims) / ROWS).touch()
     stepper = Stepper(system, 0.9, 1e-8, 1.0, 1.0)
     share(compilations(stepper.small, stepper.trial, stepper.work, stepper.state).items())
     folder = Path(os.environ["NUMBA_CACHE_DIR"])

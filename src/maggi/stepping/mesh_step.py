@@ -19,6 +19,7 @@ from .nodal_kernels import (
     CACHED,
     NodalStep,
     attachment_values,
+    coefficients,
     correct_nodal,
     distance,
     frame_compliance,
@@ -90,7 +91,9 @@ class MeshStep:
         self._dissipation: float | None = None  # at the present, where it is known
         self.threaded = body.size >= THREADED
         self.constants = Condensation.none(body)
-        self._method, self._linear, self._forces = np.zeros(6), np.zeros(1), np.zeros((3, width - 6))
+        self._linear, self._forces = np.zeros(1), np.zeros((3, width - 6))
+        self._method: GeneralizedAlpha | None = None
+        self._prediction, self._gain = np.zeros((3, 4)), np.zeros(4)
         self._sizes, self._work = np.zeros((PARTS, 2)), np.zeros((PARTS, 2, CACHED))
         self._fields, self._present = fields, 0  # the half of the fields that is the present
         self._passes: tuple[Passes, Passes] | None = None
@@ -107,8 +110,9 @@ class MeshStep:
         inertia, stiffness = self.body.inertia, self.shared.stiffness
         u, ud, udd, _ = following
         step = NodalStep(
-            self._method,
             self._linear,
+            self._prediction,
+            self._gain,
             now,
             following,
             self.solution,
@@ -151,11 +155,17 @@ class MeshStep:
             square[:] = 0.0
             square[6:, 6:] = block
 
+    def _use_method(self, c: GeneralizedAlpha) -> None:
+        if c != self._method:
+            self._method = c
+            self._prediction[:], self._gain[:] = coefficients(c)
+
     # a step
 
     def predict(self, c: GeneralizedAlpha, linear: float) -> None:
         """Newmark's state with predicted accelerations (the same formulas as `prediction.predict`)."""
-        self._method[:], self._linear[0] = c, linear
+        self._use_method(c)
+        self._linear[0] = linear
         predict_nodal(self._made[self._present].step, PARTS)
 
     def residual(self, c: GeneralizedAlpha, motion: MotionState, gravity: Array, base: Array, W: Array) -> None:
@@ -200,7 +210,7 @@ class MeshStep:
     def correct(self, c: GeneralizedAlpha, force: Array, position_force: Array, velocity_force: Array) -> None:
         """Nodal increments from the free ones and the forces at the attachments, (n,) each (step 6)."""
         part = slice(self._start + 6, self._end)
-        self._method[:] = c
+        self._use_method(c)
         self._forces[0], self._forces[1], self._forces[2] = force[part], position_force[part], velocity_force[part]
         correct_nodal(self._made[self._present].step, PARTS)
         self.correction = float(np.sqrt(self._sizes[:, 0].sum() / self.u.size))

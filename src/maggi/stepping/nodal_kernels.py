@@ -21,14 +21,16 @@ CACHED = 512  # freedoms that a pass over many fields takes at a time, so that w
 class NodalStep(Table):
     """The nodal fields of a body through a step, and what changes them; all (nd,) where nothing else is said.
 
-    method (6,): `GeneralizedAlpha`. linear (1,): 1 where accelerations are extrapolated by a line, 0 where kept. now,
-    following (4, nd): u, u̇, ü and a at the beginning and at the end of the step; before the prediction the last a is that
-    of the step before. solution: Ŝ⁻¹ of the residual. responses (k, 12, nd), damping (2,): see `Condensation`. forces
-    (3, 6k): φ, π, κ. scratch (p, 2, CACHED). sizes (p, 2): sums of δ² and the largest |u| of p equal parts of the freedoms.
+    linear (1,): 1 where accelerations are extrapolated by a line, 0 where kept. prediction (3, 4), gain (4,): see
+    `coefficients`. now, following (4, nd): u, u̇, ü and a at the beginning and at the end of the step; before the
+    prediction the last a is that of the step before. solution: Ŝ⁻¹ of the residual. responses (k, 12, nd), damping (2,):
+    see `Condensation`. forces (3, 6k): φ, π, κ. scratch (p, 2, CACHED). sizes (p, 2): sums of δ² and the largest |u| of p
+    equal parts of the freedoms.
     """
 
-    method: Array
     linear: Array
+    prediction: Array
+    gain: Array
     now: Array
     following: Array
     solution: Array
@@ -39,45 +41,52 @@ class NodalStep(Table):
     sizes: Array
 
 
+def coefficients(c: GeneralizedAlpha) -> tuple[Array, Array]:
+    """The step's method as numbers: what u, u̇, ü at its end have of themselves, u̇, a and b, the a at its end, (3, 4); and
+    what an increment of b adds to u, u̇, ü and b, (4,).
+    """
+    prediction = (
+        (1.0, c.h, c.h**2 * (0.5 - c.beta), c.h**2 * c.beta),
+        (1.0, 0.0, c.h * (1.0 - c.gamma), c.h * c.gamma),
+        (-c.alpha_f / (1.0 - c.alpha_f), 0.0, c.alpha_m / (1.0 - c.alpha_f), c.sigma),
+    )
+    return np.array(prediction), np.array((c.beta * c.h**2, c.gamma * c.h, c.sigma, 1.0))
+
+
 @SharedPass
 def predict_nodal(of: NodalStep, part: int, parts: int) -> None:
     """The state at the end of the step with predicted accelerations: `prediction.predict` for nodal freedoms."""
-    c, linear = _coefficients(of.method), of.linear[0]
-    x0, x1 = c.h * (1.0 - c.gamma), c.h * c.gamma
-    y0, y1 = c.h * c.h * (0.5 - c.beta), c.h * c.h * c.beta
-    z0, z1, z2 = (1.0 - c.alpha_m) / (1.0 - c.alpha_f), c.alpha_m / (1.0 - c.alpha_f), c.alpha_f / (1.0 - c.alpha_f)
-    now, following = of.now, of.following
+    now, following, linear = of.now, of.following, of.linear[0]
     size = now.shape[1]
     end = size * (part + 1) // parts
     for first in range(size * part // parts, end, CACHED):
         here = slice(first, min(first + CACHED, end))
-        u, ud, udd, a, a_next = now[0][here], now[1][here], now[2][here], now[3][here], following[3][here]
-        if linear == 0.0:  # whatever is left of a step that failed
-            a_next[:] = a
-        _combine(1.0 + linear, a, -linear, a_next, 0.0, a, 0.0, a, a_next)
-        _combine(z0, a_next, z1, a, -z2, udd, 0.0, a, following[2][here])
-        _combine(1.0, ud, x0, a, x1, a_next, 0.0, a, following[1][here])
-        _combine(1.0, u, c.h, ud, y0, a, y1, a_next, following[0][here])
+        ud, a, b = now[1][here], now[3][here], following[3][here]
+        _extrapolate(linear, a, b)
+        for r in range(3):
+            _combine(of.prediction[r], now[r][here], ud, a, b, following[r][here])
 
 
 @inner_pass
-def _combine(w0: float, x: Array, w1: float, y: Array, w2: float, z: Array, w3: float, w: Array, out: Array) -> None:
-    """``out = w0 x + w1 y + w2 z + w3 w``; loops that write one array LLVM vectorises."""
+def _extrapolate(linear: float, a: Array, before: Array) -> None:
+    """``before = a + linear (a − before)``."""
+    for i in range(a.size):
+        before[i] = a[i] if linear == 0.0 else a[i] + linear * (a[i] - before[i])  # not finite where a step has failed
+
+
+@inner_pass
+def _combine(weights: Array, x: Array, y: Array, z: Array, w: Array, out: Array) -> None:
+    """A weighted sum of four; loops that write one array LLVM vectorises."""
+    w0, w1, w2, w3 = weights[0], weights[1], weights[2], weights[3]
     for i in range(out.size):
         out[i] = w0 * x[i] + w1 * y[i] + w2 * z[i] + w3 * w[i]
-
-
-@inner_pass
-def _coefficients(method: Array) -> GeneralizedAlpha:
-    return GeneralizedAlpha(method[0], method[1], method[2], method[3], method[4], method[5])
 
 
 @SharedPass
 def correct_nodal(of: NodalStep, part: int, parts: int) -> None:
     """δ = −x − Yφ − Zπ − Z_Dκ and what follows from it, with the shifts Yπ, Yκ (Theory §5, step 6); x becomes −δ."""
-    c = _coefficients(of.method)
     x, responses, forces, y, z = of.solution, of.responses, of.forces, of.damping[0], of.damping[1]
-    u_next, ud_next, udd_next, a_next = of.following[0], of.following[1], of.following[2], of.following[3]
+    following = of.following
     scratch = of.scratch[part]
     total = 0.0
     largest = 0.0
@@ -97,14 +106,12 @@ def correct_nodal(of: NodalStep, part: int, parts: int) -> None:
             _add_columns(Z, pi, z, kappa, here, negative)
             _add_columns(Y, pi, 0.0, pi, here, moved)
             _add_columns(Y, kappa, 0.0, kappa, here, quickened)
-        _add(-1.0, negative, a_next[here])
-        _add(-c.sigma, negative, udd_next[here])
-        _add(-c.gamma * c.h, negative, ud_next[here])
-        _add(1.0, quickened, ud_next[here])
-        _add(-c.beta * c.h * c.h, negative, u_next[here])
-        _add(1.0, moved, u_next[here])
+        for r in range(4):
+            _add(-of.gain[r], negative, following[r][here])
+        for r in range(2):
+            _add(1.0, scratch[r, : negative.size], following[r][here])
         total += inner_product(negative, negative)
-        largest = max(largest, _largest(u_next[here]))
+        largest = max(largest, _largest(following[0][here]))
     of.sizes[part, 0] = total
     of.sizes[part, 1] = largest
 

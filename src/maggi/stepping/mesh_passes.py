@@ -1,0 +1,40 @@
+"""The passes of meshed bodies, compiled before there is a body: they depend on none."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from maggi.bodies.freedoms import Freedoms
+from maggi.bodies.isotropic_inertia import IsotropicInertia
+from maggi.elements.products import SymmetricBlocks
+
+from .nodal_kernels import CACHED, NodalStep, correct_nodal, predict_nodal
+
+
+def compile_passes() -> None:
+    """Go once through the passes of a step, for two nodes of which an attachment makes one rigid."""
+    nodes = np.zeros((2, 3))
+    freedoms = Freedoms.of(nodes, [(np.array([1]), np.zeros(3))])
+    n = freedoms.size
+    x, out = np.zeros(n), np.zeros(n)
+    IsotropicInertia(nodes, sp.csr_matrix(np.eye(2)), freedoms).forces(x, x, x, out).residual(
+        np.zeros((3, 3)), np.zeros(6)
+    )
+    diagonal = sp.bsr_matrix((np.zeros((n // 3, 3, 3)), np.arange(n // 3), np.arange(n // 3 + 1)))
+    SymmetricBlocks.of(diagonal).product(x, out).add()
+    step = NodalStep(
+        linear=np.zeros(1),
+        prediction=np.zeros((3, 4)),
+        gain=np.zeros(4),
+        now=np.zeros((4, n)),
+        following=np.zeros((4, n)),
+        solution=x,
+        responses=np.zeros((1, 12, n)),
+        damping=np.zeros(2),
+        forces=np.zeros((3, 6)),
+        scratch=np.zeros((1, 2, CACHED)),
+        sizes=np.zeros((1, 2)),
+    )
+    predict_nodal(step, 1)
+    correct_nodal(step, 1)
