@@ -16,7 +16,8 @@ from maggi.linalg.links import Link
 from maggi.linalg.table import Table
 
 PACKAGE = Path(maggi.__file__).parent
-COMPILED = {"kernel", "inner_kernel", "njit", "Link"}
+INNER = {"inner_kernel", "inner_pass"}
+COMPILED = {*INNER, "kernel", "njit", "Link", "SharedPass"}
 
 
 def decorators(function: ast.FunctionDef) -> set[str]:
@@ -28,7 +29,7 @@ def decorators(function: ast.FunctionDef) -> set[str]:
 def inner(tree: ast.Module) -> set[str]:
     """The kernels of a module that only kernels may call."""
     functions = (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef))
-    return {function.name for function in functions if "inner_kernel" in decorators(function)}
+    return {function.name for function in functions if decorators(function) & INNER}
 
 
 def named_outside(tree: ast.AST, names: set[str], *, compiled: bool = False) -> list[tuple[int, str]]:
@@ -64,9 +65,10 @@ def test_only_kernels_call_kernels_without_an_entry() -> None:
         assert imported(ast.parse(path.read_text(encoding="utf-8")), kernels) == set(), path
 
 
-def test_a_call_from_outside_is_found() -> None:
+@pytest.mark.parametrize(("callee", "caller"), [("inner_kernel", "kernel"), ("inner_pass", "SharedPass")])
+def test_a_call_from_outside_is_found(callee: str, caller: str) -> None:
     tree = ast.parse(
-        "@inner_kernel\ndef f(x): return x\n\n@kernel\ndef g(x): return f(x)\n\ndef h(x):\n    return f(x)\n"
+        f"@{callee}\ndef f(x): return x\n\n@{caller}\ndef g(x): return f(x)\n\ndef h(x):\n    return f(x)\n"
     )
     assert named_outside(tree, inner(tree)) == [(8, "f")]
 

@@ -49,7 +49,7 @@ def factor(system, A, W):
     L, pivot, scale = np.empty(table.skyline_start[-1]), np.empty(system.rows), np.zeros(system.rows)
     assemble_compliance(table, system.bodies, A, W, L)
     matrix = L.copy()
-    factorise(table.skyline_first, table.skyline_start, L, pivot, scale, np.ones(system.rows, dtype=np.int64), True)
+    factorise(table.skyline_first, table.skyline_start, L, pivot, scale, np.ones(system.rows, dtype=np.int64))
     rank = int((pivot > 0.0).sum())
     return matrix, (L, pivot), rank
 
@@ -137,7 +137,7 @@ def test_skyline_factor_of_a_semidefinite_matrix(r, dependent, seed):
     start = np.concatenate([[0], np.cumsum(np.arange(len(B)) - first + 1)]).astype(np.int64)
     L = np.concatenate([matrix[i, first[i] : i + 1] for i in range(len(B))])
     pivot, scale = np.empty(len(B)), np.zeros(len(B))
-    factorise(first, start, L, pivot, scale, np.zeros(len(B), dtype=np.int64), True)
+    factorise(first, start, L, pivot, scale, np.ones(len(B), dtype=np.int64))
     assert (pivot > 0.0).sum() == np.linalg.matrix_rank(B)
     np.testing.assert_array_equal(pivot == 0.0, expected_off)
     np.testing.assert_array_equal(scale, np.diag(matrix))
@@ -155,11 +155,11 @@ def test_a_row_that_vanishes_is_dependent_by_its_former_size():
     """At a singular position a row's own diagonal is tiny: it is judged by the largest that it has had."""
     first, start = np.zeros(1, dtype=np.int64), np.array([0, 1])
     pivot, scale, active = np.empty(1), np.zeros(1), np.ones(1, dtype=np.int64)
-    assert factorise(first, start, np.array([4.0]), pivot, scale, active, False) == 1.0
+    assert factorise(first, start, np.array([4.0]), pivot, scale, active) == 1.0
     assert pivot[0] == 0.25
-    assert factorise(first, start, np.array([1e-12]), pivot, scale, active, False) == 1.0
+    assert factorise(first, start, np.array([1e-12]), pivot, scale, active) == 1.0
     assert (pivot[0], scale[0]) == (0.0, 4.0)
-    assert factorise(first, start, np.array([1e-12]), pivot, np.zeros(1), active, False) == 1.0
+    assert factorise(first, start, np.array([1e-12]), pivot, np.zeros(1), active) == 1.0
     assert pivot[0] == 1e12
 
 
@@ -172,5 +172,5 @@ def test_rows_are_dropped_and_taken_up_with_hysteresis():
         smallest = find_singular(first, start, np.array([1.0, c, 1.0]), pivot, scale, active)
         assert active.tolist() == [1, kept]
         assert smallest == pytest.approx(square if kept else 1.0, rel=1e-6)
-        factorise(first, start, np.array([1.0, c, 1.0]), pivot, np.ones(2), active, False)
+        factorise(first, start, np.array([1.0, c, 1.0]), pivot, np.ones(2), active)
         assert (pivot[1] > 0.0) == kept

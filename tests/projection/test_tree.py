@@ -97,7 +97,7 @@ def test_rows_of_closures_are_those_of_the_model(case):
 def test_compliance_of_closures_is_that_of_the_null_space(case, sigma):
     """Λ = A S (Sᵀ σM S)⁻¹ Sᵀ Aᵀ with S from a singular value decomposition of the rows in the tree's joints."""
     system, tree, work = case.system, case.relative.tree, case.work
-    tree_factor(tree, sigma, False, work.stiffness, work.tree)
+    tree_factor(tree, tree.M, sigma, work.stiffness, work.tree)
     closure_columns(tree, case.state.rows.A, work.kept, work.tree)
     closure_compliance(tree, case.relative.bodies, work.W, work.tree, work.kept, work.product, work.L)
     found = from_skyline(tree, work.L)
@@ -120,7 +120,7 @@ def test_compliance_of_closures_is_that_of_the_null_space(case, sigma):
     inwards(tree, work.tree, z, back)
     np.testing.assert_allclose(back, before, atol=1e-12 * max(1e-300, np.abs(before).max(initial=1.0)))
     scale = np.zeros(len(A))
-    closure_scale(tree, case.relative.bodies, case.state.rows.A, sigma, False, work.W, work.product, scale)
+    closure_scale(tree, case.relative.bodies, case.state.rows.A, tree.W, sigma, work.W, work.product, scale)
     full = case.A[case.relative.closure_row]
     alone = np.diag(full @ np.linalg.solve(sigma * dense_mass(system, case.motion), full.T))
     table = case.relative.closures

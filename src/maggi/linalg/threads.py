@@ -1,6 +1,6 @@
 """Threads: set-up work shared among them, and none for dense products.
 
-numba's own parallel loops cost seconds to compile, each; they are for passes of every step. A kernel that runs once or a
+numba's own parallel loops cost seconds to compile, each, and passes of every step have a way of theirs (`shared`). A kernel that runs once or a
 few times is compiled for one part of the work, without Python's lock, and called in as many threads as there are parts.
 """
 

@@ -112,12 +112,12 @@ def closure_rates(tree: Tree, columns: Array, z: Array, first: int, out: Array) 
 
 @kernel
 def closure_scale(
-    tree: Tree, bodies: BodyTable, A: Array, sigma: float, geometric: bool, W: Array, product: Array, scale: Array
+    tree: Tree, bodies: BodyTable, A: Array, free: Array, sigma: float, W: Array, product: Array, scale: Array
 ) -> None:
     """Raise scale (r,) to A Ŝ⁻¹ Aᵀ of each row on its ends, each taken alone as if nothing were joined.
 
-    This is what a row's pivot is compared with: at a singular position its diagonal in Λ vanishes too. geometric: in the
-    metric of lengths and angles, W (flat blocks) that of blocks. product (m,): scratch.
+    This is what a row's pivot is compared with: at a singular position its diagonal in Λ vanishes too. free (x, 6, 6): σ
+    times Ŝ⁻¹ of tree bodies, W (flat blocks): that of blocks. product (m,): scratch.
     """
     count = tree.parent.shape[0]
     for q in range(scale.shape[0]):
@@ -133,10 +133,7 @@ def closure_scale(
                 block = W[bodies.block[b] : bodies.block[b + 1]].reshape(k, k)
                 multiply(block, A[start : start + k], product[:k])
                 value += inner(product[:k], A[start : start + k])
-            elif geometric:
-                for i in range(6):
-                    value += A[start + i] * A[start + i] / tree.metric[node, i]
             else:
                 for i in range(6):
-                    value += A[start + i] * inner(tree.W[node, i], A[start : start + 6]) / sigma
+                    value += A[start + i] * inner(free[node, i], A[start : start + 6]) / sigma
         scale[q] = max(scale[q], value)

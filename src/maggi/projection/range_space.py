@@ -71,12 +71,10 @@ def _eliminate(i: int, first: IntArray, start: IntArray, L: Array, pivot: Array)
 
 
 @kernel
-def factorise(
-    first: IntArray, start: IntArray, L: Array, pivot: Array, scale: Array, active: IntArray, all_rows: bool
-) -> float:
+def factorise(first: IntArray, start: IntArray, L: Array, pivot: Array, scale: Array, active: IntArray) -> float:
     """L D Lᵀ of a positive semidefinite skyline matrix, in place; returns the smallest pivot kept, relative to scale.
 
-    pivot: 1/D, zero for rows that depend on earlier ones, and unless all_rows is true where active (r,) is 0. scale (r,):
+    pivot: 1/D, zero for rows that depend on earlier ones, and where active (≥ r,) is 0. scale (r,):
     the largest diagonal each row has had; a row at a singular position vanishes itself, so its present diagonal says
     nothing about dependence. Rows of the matrix beyond the first r, springs, are always kept and do not count.
     """
@@ -84,11 +82,11 @@ def factorise(
     for i in range(first.shape[0]):
         present = L[start[i] - first[i] + i]
         diagonal = _eliminate(i, first, start, L, pivot)
-        if i >= active.shape[0]:
+        if i >= scale.shape[0]:
             pivot[i] = 1.0 / diagonal
             continue
         scale[i] = max(scale[i], present)
-        if (all_rows or active[i] == 1) and diagonal > RANK_TOLERANCE * scale[i]:
+        if active[i] == 1 and diagonal > RANK_TOLERANCE * scale[i]:
             pivot[i] = 1.0 / diagonal
             smallest = min(smallest, diagonal / scale[i])
         else:

@@ -31,7 +31,7 @@ def left_null_space(
     L, pivot, scale = np.zeros(int(start[-1])), np.zeros(r), np.zeros(r)
     assemble_compliance(liaisons, bodies, A, metric, L)
     matrix = L.copy()
-    factorise(first, start, L, pivot, scale, active, False)
+    factorise(first, start, L, pivot, scale, active)
     dependent = np.flatnonzero(pivot == 0.0)
     if dependent.size == 0:
         return np.zeros((r, 0))

@@ -145,6 +145,7 @@ def relative_system(system: System) -> RelativeSystem:
         s = node_start[len(found) + k]
         size[s : s + 3], size[s + 3 : s + 6] = 1.0, system.size
     M = np.array([_spatial(turned, branch.body, system) for branch in found]).reshape(-1, 6, 6)
+    metric = np.diag(np.repeat([1.0, system.size**2], 3))
     tree = Tree(
         body=integers([branch.body for branch in found]),
         block=integers(blocks),
@@ -159,7 +160,8 @@ def relative_system(system: System) -> RelativeSystem:
         J=_stack([turned.J0[branch.body] for branch in found], (3, 3)),
         M=M,
         W=np.linalg.inv(M) if len(M) else M,
-        metric=np.tile(np.repeat([1.0, system.size**2], 3), (len(found), 1)).reshape(-1, 6),
+        metric=np.tile(metric, (len(found), 1, 1)),
+        metric_W=np.tile(np.linalg.inv(metric), (len(found), 1, 1)),
         size=size,
         node_start=node_start,
         path_start=path_start,

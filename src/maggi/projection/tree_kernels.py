@@ -332,38 +332,34 @@ def carry_inertia(Q: Array, arm: Array, M: Array, out: Array) -> None:
 
 
 @kernel
-def tree_factor(tree: Tree, sigma: float, geometric: bool, stiffness: Array, work: TreeWork) -> None:
-    """SᵀŜS = L D Lᵀ with Ŝ = σM on the bodies' twists, from the leaves inwards (Eq. T10, T12).
+def tree_factor(tree: Tree, M: Array, sigma: float, stiffness: Array, work: TreeWork) -> None:
+    """SᵀŜS = L D Lᵀ with Ŝ = σM, M (x, 6, 6) on the bodies' twists, from the leaves inwards (Eq. T10, T12).
 
-    geometric: with the metric of lengths and angles in place of M. stiffness (d,): βh²k + γhd of springs on single free
-    motions, added to their own pivots.
+    stiffness (≥ d,): βh²k + γhd of springs on single free motions, added to their own pivots.
     """
     inertia, column, inverse = work.inertia, work.column, work.inverse
     parent, free_start, free = tree.parent, tree.free_start, tree.free
-    given = tree.M
     for x in range(parent.shape[0]):
         for i in range(6):
             for j in range(6):
-                inertia[x, i, j] = 0.0 if geometric else sigma * given[x, i, j]
-            if geometric:
-                inertia[x, i, i] = tree.metric[x, i]
+                inertia[x, i, j] = sigma * M[x, i, j]
     for x in range(parent.shape[0] - 1, -1, -1):
-        M = inertia[x]
+        left = inertia[x]
         for d in range(free_start[x], free_start[x + 1]):
             c = free[d]
             L = column[d]
-            one = 1.0 / (M[c, c] + (0.0 if geometric else stiffness[d]))
+            one = 1.0 / (left[c, c] + stiffness[d])
             inverse[d] = one
             for i in range(6):
-                L[i] = M[i, c] * one
+                L[i] = left[i, c] * one
             pivot = work.force[x]
             for j in range(6):
-                pivot[j] = M[c, j]
+                pivot[j] = left[c, j]
             for i in range(6):
                 for j in range(6):
-                    M[i, j] -= L[i] * pivot[j]
+                    left[i, j] -= L[i] * pivot[j]
         if parent[x] >= 0:
-            carry_inertia(work.rotation[x], work.arm[x], M, inertia[parent[x]])
+            carry_inertia(work.rotation[x], work.arm[x], left, inertia[parent[x]])
 
 
 @kernel

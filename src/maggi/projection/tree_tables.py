@@ -30,7 +30,7 @@ class Tree(Table):
     out_rotation (x, 3, 3), out_position (x, 3): the joint on its carrying body, in that body's frame.
     mass (x,), S (x, 3), J (x, 3, 3): first moment and inertia about the joint; M (x, 6, 6): those as a matrix on twists,
         with the floor of bodies without inertia (`System.inertia_floor`); W (x, 6, 6): its inverse.
-    metric (x, 6): the diagonal of a matrix on twists that knows no masses, see `range_space`.
+    metric (x, 6, 6): a matrix on twists that knows no masses, see `range_space`; metric_W (x, 6, 6): its inverse.
     size (m,): m of one unit of each velocity: 1, the mechanism's size for an angle, 0 for elastic coordinates.
     node_start (x + k + 1,): where a node's velocities start in ν.
     rows r, springs s as rows behind them: path_start (r + s + 1,), path (p, 3): the nodes that a row acts on, tree bodies
@@ -59,6 +59,7 @@ class Tree(Table):
     M: Array
     W: Array
     metric: Array
+    metric_W: Array
     size: Array
     node_start: IntArray
     path_start: IntArray

@@ -152,6 +152,7 @@ def new_work(system: System, relative: RelativeSystem) -> StepWork:
         given=np.zeros(n),
         loads=np.zeros(n),
         stiffness=np.zeros(m),
+        unsprung=np.zeros(m),
         on_joints=np.zeros(m),
         force=np.zeros(m),
         delta=np.zeros(m),

@@ -44,7 +44,7 @@ def refresh(small: SmallSystem, state: StepState, work: StepWork, t: float) -> N
         call3(small.links[BLOCK_COMPLIANCES], small, state, work, t)
     if small.links[SPRING_COEFFICIENTS] != 0:
         call3(small.links[SPRING_COEFFICIENTS], small, state, work, t)
-    tree_factor(tree, c.sigma, False, work.stiffness, work.tree)
+    tree_factor(tree, tree.M, c.sigma, work.stiffness, work.tree)
     if first.shape[0] == 0:
         return
     if work.flags[STEADY] >= STEADILY and work.numbers[LOOSE] <= UNMOVED:
@@ -60,19 +60,19 @@ def refresh(small: SmallSystem, state: StepState, work: StepWork, t: float) -> N
         work.kept[i] = 1
     closure_columns(tree, rows.A, work.kept, work.tree)
     if work.scale.shape[0] > 0 and work.scale[0] == 0.0:
-        closure_scale(tree, bodies, rows.A, c.sigma, False, work.W, work.product, work.scale)
+        closure_scale(tree, bodies, rows.A, tree.W, c.sigma, work.W, work.product, work.scale)
     assemble(small, state, work, t)
-    if factorise(first, start, work.L, work.pivot, work.scale, work.active, True) < SUSPECT:
-        tree_factor(tree, c.sigma, True, work.stiffness, work.tree)
+    if factorise(first, start, work.L, work.pivot, work.scale, work.kept) < SUSPECT:
+        tree_factor(tree, tree.metric, 1.0, work.unsprung, work.tree)
         closure_columns(tree, rows.A, work.kept, work.tree)
-        closure_scale(tree, bodies, rows.A, c.sigma, True, work.metric, work.product, work.metric_scale)
+        closure_scale(tree, bodies, rows.A, tree.metric_W, 1.0, work.metric, work.product, work.metric_scale)
         closure_compliance(tree, bodies, work.metric, work.tree, work.kept, work.product, work.L)
         sine = find_singular(first, start, work.L, work.pivot, work.metric_scale, work.active)
         work.numbers[SINE] = math.sqrt(sine)
-        tree_factor(tree, c.sigma, False, work.stiffness, work.tree)
+        tree_factor(tree, tree.M, c.sigma, work.stiffness, work.tree)
         closure_columns(tree, rows.A, work.kept, work.tree)
         assemble(small, state, work, t)
-        factorise(first, start, work.L, work.pivot, work.scale, work.active, False)
+        factorise(first, start, work.L, work.pivot, work.scale, work.active)
         work.flags[STEADY] = 0
         return
     for i in range(work.active.shape[0]):

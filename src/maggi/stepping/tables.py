@@ -147,7 +147,7 @@ class StepWork(Table):
     base (m,): mesh bodies: frame residual, and the free elastic increments. accounted (m,): liaison forces that
     mesh bodies' increments already contain. position_force, velocity_force (m,): accumulated Aᵀπ, Aᵀκ.
     given (n,): forces Aᵀλ − Q on bodies; loads (n,): Q. stiffness, on_joints (m,): of springs on single free motions, and
-    their forces. shift_before, rate_shift_before (m,): what was predicted of `shift`, `rate_shift`. The rest are
+    their forces; unsprung (m,): zeros in the place of `stiffness`. shift_before, rate_shift_before (m,): what was predicted of `shift`, `rate_shift`. The rest are
     vectors of one iteration; product (n,): room for kernels. method (6,): coefficients of the step;
     flags (5,), numbers (6,): see above. misses (HIGHEST_ORDER + 1,): what predictions of each order were off by lately.
     """
@@ -172,6 +172,7 @@ class StepWork(Table):
     given: Array
     loads: Array
     stiffness: Array
+    unsprung: Array
     on_joints: Array
     force: Array
     delta: Array
