@@ -56,3 +56,30 @@ def test_dissipated_energy_does_not_depend_on_how_a_run_is_split(damping: Dampin
     np.testing.assert_array_equal(whole.meshes[0].ud, split.meshes[0].ud)
     assert whole.trial.work[1] == pytest.approx(split.trial.work[1], rel=1e-12)
     assert whole.trial.work[1] > 0.0
+
+
+def test_what_a_step_that_failed_has_left_does_not_matter() -> None:
+    """The end of the step that was tried is where the last accelerations were kept: nothing of them may be extrapolated."""
+    clean, failed = falling_bar(DAMPING[0]), falling_bar(DAMPING[0])
+    for stepper in (clean, failed):
+        assert stepper.advance(0.0, STEPS) == STEPS
+    mesh = failed.meshes[0]
+    for field in (mesh.u_next, mesh.ud_next, mesh.udd_next, mesh.a_next):
+        field[:] = np.nan
+    for stepper in (clean, failed):
+        stepper.set_step(STEP / 2)
+        assert stepper.advance(STEPS * STEP, 4) == 4
+    for name in ("u", "ud", "udd", "a"):
+        np.testing.assert_array_equal(getattr(mesh, name), getattr(clean.meshes[0], name))
+    assert np.abs(mesh.u).max() > 0.0
+
+
+def test_a_step_that_cannot_be_made_is_not_extrapolated_from(monkeypatch: pytest.MonkeyPatch) -> None:
+    stepper = falling_bar(DAMPING[0])
+    assert stepper.advance(0.0, STEPS) == STEPS
+    converge = stepper._converge
+    monkeypatch.setattr(stepper, "_converge", lambda c, t, exact: converge(c, t, exact) and False)
+    before = stepper.meshes[0].u.copy()
+    assert stepper.advance(STEPS * STEP, 3) == 0
+    assert stepper._alike == 0
+    np.testing.assert_array_equal(stepper.meshes[0].u, before)

@@ -70,10 +70,6 @@ class BeamInertia:
             axes.project_forces(nodal)
         return S, J
 
-    def multiply_mass(self, x: Array, out: Array) -> None:
-        """See `MeshInertia.multiply_mass`."""
-        out[:] = self.matrix @ x
-
     def frame_inertia(self, u: Array) -> tuple[Array, Array]:
         zero = np.zeros(3)
         scratch = np.empty_like(u)

@@ -109,10 +109,6 @@ class IsotropicInertia:
             self._wrenches,
         )
 
-    def multiply_mass(self, x: Array, out: Array) -> None:
-        """See `MeshInertia.multiply_mass`."""
-        self.evaluate(self._nodal_forces(x, x, x, out), np.zeros((3, 3)), np.empty(6), None)
-
     def frame_inertia(self, u: Array) -> tuple[Array, Array]:
         accelerations(self._nodal_forces(u, u, u, u), PARTS)
         self._sums.sum(axis=0, out=self._moved)

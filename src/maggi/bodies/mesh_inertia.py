@@ -42,9 +42,6 @@ class MeshInertia(Protocol):
     def forces(self, u: Array, ud: Array, udd: Array, nodal: Array) -> InertiaForces:
         """Of the fields in these arrays, at any time, on the freedoms, `nodal` (nd,)."""
 
-    def multiply_mass(self, x: Array, out: Array) -> None:
-        """``out = M x``, (nd,)."""
-
     def frame_inertia(self, u: Array) -> tuple[Array, Array]:
         """First moment S (3,) and inertia J (3, 3) about the frame's origin, deformed; J to first order lumped in u²."""
 

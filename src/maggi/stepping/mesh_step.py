@@ -99,8 +99,17 @@ class MeshStep:
         self._passes: tuple[Passes, Passes] | None = None
 
     @property
-    def _made(self) -> tuple[Passes, Passes]:
-        """The passes, by the half of the fields that is the present."""
+    def _ahead(self) -> Passes:
+        """The passes of the step from the present."""
+        return self._both()[self._present]
+
+    @property
+    def _behind(self) -> Passes:
+        """The passes of the step to the present."""
+        return self._both()[1 - self._present]
+
+    def _both(self) -> tuple[Passes, Passes]:
+        """By the half of the fields that is the present."""
         if self._passes is None:
             self._passes = self._between(*self._fields), self._between(*self._fields[::-1])
         return self._passes
@@ -166,7 +175,7 @@ class MeshStep:
         """Newmark's state with predicted accelerations (the same formulas as `prediction.predict`)."""
         self._use_method(c)
         self._linear[0] = linear
-        predict_nodal(self._made[self._present].step, PARTS)
+        predict_nodal(self._ahead.step, PARTS)
 
     def residual(self, c: GeneralizedAlpha, motion: MotionState, gravity: Array, base: Array, W: Array) -> None:
         """Residual at the end of the step without forces at the attachments, ``force = PᵀM a + K u + D u̇``.
@@ -178,7 +187,7 @@ class MeshStep:
         is read.
         """
         body, o = self.body, self._offset
-        v, w, now = motion.v[o : o + 3], motion.v[o + 3 : o + 6], self._made[self._present]
+        v, w, now = motion.v[o : o + 3], motion.v[o + 3 : o + 6], self._ahead
         self._drive[0] = motion.vd[o : o + 3] + cross(w, v) - motion.rotation[self.index].T @ gravity
         self._drive[1], self._drive[2] = w, motion.vd[o + 3 : o + 6]
         S, J = now.inertia.residual(self._drive, self._frame, body.axes if body.floating else None)
@@ -212,7 +221,7 @@ class MeshStep:
         part = slice(self._start + 6, self._end)
         self._use_method(c)
         self._forces[0], self._forces[1], self._forces[2] = force[part], position_force[part], velocity_force[part]
-        correct_nodal(self._made[self._present].step, PARTS)
+        correct_nodal(self._ahead.step, PARTS)
         self.correction = float(np.sqrt(self._sizes[:, 0].sum() / self.u.size))
         self.deflection = float(self._sizes[:, 1].max())
 
@@ -275,7 +284,7 @@ class MeshStep:
     def _mass_dissipation(self) -> float:
         if not self.body.damping.mass:
             return 0.0
-        self._made[1 - self._present].momentum.residual(AT_REST, np.empty(6))  # at the end of the step to the present
+        self._behind.momentum.residual(AT_REST, np.empty(6))
         return self.body.damping.mass * inner_product(self.ud, self._scratch)
 
     def energies(self, motion: MotionState, gravity: Array) -> tuple[float, float, float]:

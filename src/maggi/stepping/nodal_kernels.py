@@ -100,7 +100,7 @@ def correct_nodal(of: NodalStep, part: int, parts: int) -> None:
         for k in range(responses.shape[0]):
             six = slice(6 * k, 6 * k + 6)
             phi, pi, kappa, Y, Z = forces[0, six], forces[1, six], forces[2, six], responses[k, :6], responses[k, 6:]
-            if max(_largest(phi), _largest(pi), _largest(kappa)) == 0.0:
+            if _nonzero(phi) + _nonzero(pi) + _nonzero(kappa) == 0:
                 continue
             _add_columns(Y, phi, y, kappa, here, negative)
             _add_columns(Z, pi, z, kappa, here, negative)
@@ -138,6 +138,15 @@ def _add(factor: float, x: Array, out: Array) -> None:
     """``out += factor x``."""
     for i in range(out.size):
         out[i] += factor * x[i]
+
+
+@inner_pass
+def _nonzero(x: Array) -> int:
+    """How many values are not zero; what is not finite counts."""
+    count = 0
+    for i in range(x.size):
+        count += 1 if x[i] != 0.0 else 0
+    return count
 
 
 @inner_pass
