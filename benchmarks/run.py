@@ -78,7 +78,7 @@ def main() -> int:
         print(f"there is no benchmark {unknown[0]!r}; there are {', '.join(names)}", file=sys.stderr)
         return 2
     writing = given.write or not (given.names or given.long)
-    done = []
+    machine, done = description(), []  # before a run, which rewrites a picture
     for case in CASES:
         if case.name in chosen:
             arguments = case.long if given.long else case.short
@@ -86,7 +86,7 @@ def main() -> int:
                 arguments = (*arguments, "--picture", str(PICTURE))
             done.append(run(case.name, arguments))
     if writing:
-        RESULTS.write_text(report(done, "long" if given.long else "short"), encoding="utf-8")
+        RESULTS.write_text(report(machine, done, "long" if given.long else "short"), encoding="utf-8")
         print(f"written: {RESULTS.relative_to(HERE.parent)}")
     return int(any(outcome.status for outcome in done))  # a script that was killed has a negative status
 
@@ -115,14 +115,14 @@ def run(name: str, arguments: tuple[str, ...]) -> Outcomes:
         return Outcomes(name, "".join(lines).strip(), seconds, recorded(record), process.returncode)
 
 
-def report(done: list[Outcomes], form: str) -> str:
+def report(machine: list[tuple[str, str]], done: list[Outcomes], form: str) -> str:
     """RESULTS.md: the machine, the targets, all tables."""
     minutes = sum(outcome.seconds for outcome in done) / 60.0
     parts = [
         "# Results\n\n"
         f"Written by `./dev bench` ({form} form, {minutes:.1f} minutes in all); what the columns mean is in README.md.\n"
     ]
-    parts.append("\n".join(["| machine | |", "|:--|:--|", *(f"| {what} | {which} |" for what, which in description())]))
+    parts.append("\n".join(["| machine | |", "|:--|:--|", *(f"| {what} | {which} |" for what, which in machine)]))
     targets = [target for outcome in done for target in outcome.targets]
     lines = ["\n## Targets\n", "| figure | measured | target | reached |", "|:--|--:|--:|--:|"]
     lines += [f"| {t.what} | {t.measured} | {t.target} | {t.reached} |" for t in targets]
