@@ -70,3 +70,9 @@ def test_same_bits_for_any_number_of_threads():
     numba.set_num_threads(before)
     for out in results:
         np.testing.assert_array_equal(out, results[0])
+
+
+def test_what_is_not_finite_is_nobodys_warning():
+    x = np.array([0.0, 1.0, 1e308])
+    scale(Scaling(x, np.inf), 1)
+    assert np.isnan(x[0]) and np.isinf(x[1:]).all()

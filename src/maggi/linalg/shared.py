@@ -57,7 +57,8 @@ class SharedPass:
         if address is None:
             address = self._addresses[kind] = self._address(kind)
         numbers, done = _numbers(parts)
-        _run()(numbers, parts, address, table.__dict__["_address"], done)
+        with np.errstate(all="ignore"):  # what is not finite is looked for where it is known what it means
+            _run()(numbers, parts, address, table.__dict__["_address"], done)
 
     def _address(self, kind: TableType) -> int:
         signature = (kind, types.int64, types.int64)
