@@ -28,33 +28,7 @@ NONE = np.empty(0)  # in place of the vector of a square that is not asked for
 
 
 @dataclass(frozen=True, eq=False)
-class Product(Table):
-    """A product ``out += K x`` of certain arrays, to be done again and again; with v not empty also vᵀK v.
-
-    indptr, indices, blocks, starts, ends, sums, squares: see `SymmetricBlocks`. x, v, out (3n,).
-    """
-
-    indptr: IntArray
-    indices: IntArray
-    blocks: Array
-    starts: NDArray[np.int64]
-    ends: NDArray[np.int64]
-    sums: Array
-    squares: Array
-    x: Array
-    v: Array
-    out: Array
-
-    def add(self) -> float:
-        """``out += K x``; returns vᵀK v, or 0."""
-        parts = self.squares.size
-        _multiply(self, parts)
-        _add_up(self, parts)
-        return math.fsum(self.squares)
-
-
-@dataclass(frozen=True, eq=False)
-class SymmetricBlocks:
+class SymmetricBlocks(Table):
     """The upper triangle of a symmetric matrix of n rows of 3×3 blocks, for products that read every block once.
 
     indptr (n+1,), indices, blocks (nnz, 3, 3): rows of the triangle, the diagonal block first. starts (p+1,), ends
@@ -93,12 +67,28 @@ class SymmetricBlocks:
         size = 3 * (self.indptr.size - 1)
         if x.size != size or out.size != size or v.size not in (0, size):
             raise ValueError(f"a product of {size} rows got {x.size}, {out.size} and {v.size} values")
-        rows = self.indptr, self.indices, self.blocks, self.starts, self.ends
-        return Product(*rows, self.sums, self.squares, x, v, out)
+        return Product(self, x, v, out)
 
     def add_product(self, x: Array, out: Array) -> None:
         """``out += K x``, once."""
         self.product(x, out).add()
+
+
+@dataclass(frozen=True, eq=False)
+class Product(Table):
+    """A product ``out += K x`` of certain arrays, to be done again and again; with v not empty also vᵀK v; x, v, out (3n,)."""
+
+    K: SymmetricBlocks
+    x: Array
+    v: Array
+    out: Array
+
+    def add(self) -> float:
+        """``out += K x``; returns vᵀK v, or 0."""
+        parts = self.K.squares.size
+        _multiply(self, parts)
+        _add_up(self, parts)
+        return math.fsum(self.K.squares)
 
 
 @numba.njit(cache=True)
@@ -147,11 +137,12 @@ def _add_transposed(b, x0, x1, x2, y):  # type: ignore[no-untyped-def]
 @SharedPass
 def _multiply(of: Product, part: int, parts: int) -> None:
     """What the rows of a part add to K x, into its `sums`."""
-    indptr, indices, blocks = of.indptr, of.indices, of.blocks
+    K = of.K
+    indptr, indices, blocks = K.indptr, K.indices, K.blocks
     x, v = of.x.reshape(-1, 3), of.v.reshape(-1, 3)
-    first, last = of.starts[part], of.starts[part + 1]
-    y = of.sums[part]
-    y[first : of.ends[part]] = 0.0
+    first, last = K.starts[part], K.starts[part + 1]
+    y = K.sums[part]
+    y[first : K.ends[part]] = 0.0
     squared = v.shape[0] > 0
     square = 0.0
     for n in range(first, last):
@@ -178,18 +169,18 @@ def _multiply(of: Product, part: int, parts: int) -> None:
             v0, v1, v2 = v[n, 0], v[n, 1], v[n, 2]
             z0, z1, z2 = _times(blocks[p], v0, v1, v2)
             square += (z0 + 2.0 * w0) * v0 + (z1 + 2.0 * w1) * v1 + (z2 + 2.0 * w2) * v2
-    of.squares[part] = square
+    K.squares[part] = square
 
 
 @SharedPass
 def _add_up(of: Product, part: int, parts: int) -> None:
     """``out += `` the sums of all parts, for a part of the nodes."""
-    out, sums = of.out.reshape(-1, 3), of.sums
+    K, out = of.K, of.out.reshape(-1, 3)
     first, last = out.shape[0] * part // parts, out.shape[0] * (part + 1) // parts
     for k in range(parts):
-        low, high = max(first, of.starts[k]), min(last, of.ends[k])
+        low, high = max(first, K.starts[k]), min(last, K.ends[k])
         if low < high:
-            _add_field(sums[k, low:high], out[low:high])
+            _add_field(K.sums[k, low:high], out[low:high])
 
 
 @inner_pass

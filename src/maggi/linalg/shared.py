@@ -23,8 +23,6 @@ from .table import Table, TableType, numba_type
 
 _njit: Any = njit  # its types leave out the entries that it can do without
 _guvectorize: Any = guvectorize
-
-
 P = ParamSpec("P")
 R = TypeVar("R")
 _OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}, "no_cpython_wrapper": True}
