@@ -18,7 +18,6 @@ from common.ours import Ours
 from common.tables import Table, error, milli, times
 from common.targets import Target
 from common.timing import median, ratio, wall_seconds
-from maggi.elements.products import SymmetricBlocks
 from maggi.model.model import Model
 
 Array = NDArray[np.float64]
@@ -67,7 +66,7 @@ def simulate(
     mesh, counts = ours.stepper.meshes[0], ours.stepper.counts
     vector = np.random.default_rng(0).standard_normal(mesh.body.size)
     out = np.zeros_like(vector)
-    once = SymmetricBlocks.of(mesh.body.K).product(vector, out)  # the quickest there is: every block is read once
+    once = mesh.body.K.product(vector, out)  # the quickest there is: every block is read once
     ours.advance(20)  # the first steps, in which the prediction finds its way, and whatever is still to be loaded
     counted = counts.back_substitutions
     step, solve, product, limit, path, residuals = [], [], [], [], [], np.zeros(3)

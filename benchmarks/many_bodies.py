@@ -11,7 +11,6 @@ from common.ours import Ours
 from common.tables import Table, milli, times
 from common.targets import Target
 from common.timing import in_turn, median, ratio, wall_seconds
-from maggi.elements.products import SymmetricBlocks
 
 COUNTS = (1, 2, 4, 8)
 # the cost per step is linear in the bodies: none of them dearer than a single one
@@ -31,7 +30,7 @@ def main() -> None:
     random = np.random.default_rng(0)
     columns = {count: random.standard_normal((mesh.body.size, count)) for count in COUNTS}
     vector, out = random.standard_normal(mesh.body.size), np.zeros(mesh.body.size)
-    factor, product = mesh.constants.factor, SymmetricBlocks.of(mesh.body.K).product(vector, out)
+    factor, product = mesh.constants.factor, mesh.body.K.product(vector, out)
     runs = {f"{count} bars": (lambda ours=ours: ours.advance(10)) for count, ours in bars.items()}
     runs |= {f"{count} sides": (lambda B=B: wall_seconds(lambda: factor.solve_many(B))) for count, B in columns.items()}
     runs["product"] = lambda: wall_seconds(product.add)

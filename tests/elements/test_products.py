@@ -70,3 +70,11 @@ def test_a_matrix_without_a_diagonal_block_is_refused():
     blocks = np.ones((2, 3, 3))
     with pytest.raises(ValueError, match="diagonal"):
         SymmetricBlocks.of(sp.bsr_matrix((blocks, [1, 0], [0, 1, 2]), shape=(6, 6)))
+
+
+def test_both_triangles_and_the_diagonal(K, half):
+    full = half.matrix()
+    assert (full != K).nnz == 0
+    assert full.has_sorted_indices and full.blocksize == (3, 3)
+    assert np.array_equal(half.diagonal(), K.diagonal())
+    assert half.order == K.shape[0]

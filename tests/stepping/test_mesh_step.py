@@ -36,7 +36,7 @@ def falling_bar(damping: Damping) -> Stepper:
 def test_dissipated_energy_is_the_trapezoidal_sum_of_powers(damping: Damping) -> None:
     stepper = falling_bar(damping)
     mesh = stepper.meshes[0]
-    D = damping.mass * mesh.body.inertia.matrix + damping.stiffness * mesh.body.K
+    D = damping.mass * mesh.body.inertia.matrix + damping.stiffness * mesh.body.K.matrix()
     powers = [mesh.ud @ (D @ mesh.ud)]
     for k in range(STEPS):
         assert stepper.advance(k * STEP, 1) == 1

@@ -79,7 +79,7 @@ def mesh_modes(
             remedy="ask for at least one and fewer than all",
         )
     M = _mass(body, index, point_masses or {})
-    K = body.K.tocsr()
+    K = body.K.matrix().tocsr()
     shift = SHIFT * float(K.diagonal().max() / M.diagonal().max())
     factor = factorise(K + shift * M)
     G = body.B.tocsc()[:, held].T.tocsr()

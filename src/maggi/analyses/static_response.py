@@ -25,7 +25,6 @@ class StaticResponse:
 
     def __init__(self, body: MeshBody, shared: Condensations) -> None:
         self._body = body
-        self._stiffness = shared.stiffness
         shift = REGULARISATION * body.K.diagonal().max() / body.inertia.matrix.diagonal().max()
         self._factor = shared.factorise(float(shift), 1.0)
         self.Y = self.displacements(body.B.toarray().T)
@@ -34,16 +33,16 @@ class StaticResponse:
 
     def displacements(self, forces: Array) -> Array:
         """P K⁺ Pᵀ of forces (m, nd), a row each, refined; (m, nd)."""
-        axes = self._body.axes
+        body, axes = self._body, self._body.axes
         forces = np.array(forces, order="C")
         for force in forces:
             axes.project_forces(force)
-        u, product = np.zeros_like(forces), np.empty(self._body.size)
+        u, product = np.zeros_like(forces), np.empty(body.size)
         for _ in range(REFINEMENTS if len(forces) else 0):
             defects = forces.copy()
             for row, defect in zip(u, defects, strict=True):
                 product[:] = 0.0
-                self._stiffness.add_product(row, product)
+                body.K.add_product(row, product)
                 defect -= product
                 axes.project_forces(defect)
             if len(forces) == 1:

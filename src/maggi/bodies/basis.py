@@ -51,7 +51,7 @@ def orthogonal_shapes(body: MeshBody, vectors: Array, *, with_rigid: bool) -> tu
         q, _ = scipy.linalg.qr(conditions.T)
         vectors = vectors @ q[:, 6:]
     vectors = body.without_rigid_motion(vectors)
-    k, m = vectors.T @ (body.K @ vectors), vectors.T @ (M @ vectors)
+    k, m = vectors.T @ (body.K.matrix() @ vectors), vectors.T @ (M @ vectors)
     squares, turn = scipy.linalg.eigh(0.5 * (k + k.T), 0.5 * (m + m.T))
     shapes = body.without_rigid_motion(vectors @ turn)
     frequencies = np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi)
@@ -68,7 +68,7 @@ def modes_where(body: MeshBody, conditions: Array, count: int) -> tuple[Array, A
         return np.empty(0), np.empty((body.size, 0))
     q, _ = scipy.linalg.qr(conditions / np.linalg.norm(conditions, axis=0))
     free = q[:, conditions.shape[1] :]
-    k, m = free.T @ (body.K @ free), free.T @ (body.inertia.matrix @ free)
+    k, m = free.T @ (body.K.matrix() @ free), free.T @ (body.inertia.matrix @ free)
     squares, turn = scipy.linalg.eigh(0.5 * (k + k.T), 0.5 * (m + m.T), subset_by_index=(0, count - 1))
     return np.maximum(squares, 0.0), free @ turn
 

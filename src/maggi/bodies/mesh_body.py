@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from maggi.elements.assembly import assemble_solids
 from maggi.elements.beam import assemble_beam
 from maggi.elements.materials import CellMaterials
+from maggi.elements.products import SymmetricBlocks
 from maggi.mesh import Mesh, load_mesh, select
 from maggi.mesh.load import in_the_model
 from maggi.model.attachments import Attachment
@@ -35,7 +36,7 @@ Array = NDArray[np.float64]
 class MeshBody:
     """An elastic body in its own frame; nd freedoms in blocks of three, k attachments.
 
-    K (nd, nd) BSR; inertia; damping ``D = mass·PᵀMP + stiffness·K`` (relative to the frame).
+    K (nd, nd), one triangle; inertia; damping ``D = mass·PᵀMP + stiffness·K`` (relative to the frame).
     B (nd, 6k) sparse: the attachments' (d, θ) are Bᵀu. Phi (nd, 6): rigid motions about the origin;
     C (nd, 6) = M Φ: mean axes are Cᵀu = 0; J6 (6, 6) = ΦᵀMΦ; axes: the projections by them.
     floating: False where the frame is prescribed; then nothing is projected out.
@@ -46,7 +47,7 @@ class MeshBody:
     name: str
     mesh: Mesh
     inertia: MeshInertia
-    K: sp.bsr_matrix
+    K: SymmetricBlocks
     damping: Damping
     freedoms: Freedoms | None
     couplings: tuple[Coupling, ...]
@@ -61,7 +62,7 @@ class MeshBody:
     @property
     def size(self) -> int:
         """Number of freedoms."""
-        return int(self.K.shape[0])
+        return self.K.order
 
     def nodal_displacement(self, u: Array) -> Array:
         """Displacements (n_nodes, 3) of the mesh's nodes, body frame."""
@@ -204,7 +205,7 @@ def _finish(
         name,
         mesh,
         inertia,
-        K,
+        SymmetricBlocks.of(K),
         damping,
         freedoms,
         tuple(couplings),

@@ -67,7 +67,7 @@ def reduce_body(body: MeshBody, shapes: Shapes) -> ReducedBody:
     # K Φ = 0, but for round-off: rigid motions are given none
     elastic = basis.copy()
     elastic[:, : shapes.rigid] = 0.0
-    k = elastic.T @ (body.K @ elastic)
+    k = elastic.T @ (body.K.matrix() @ elastic)
     k = 0.5 * (k + k.T)
     terms = RitzTerms(
         mass=float(constants.mass),

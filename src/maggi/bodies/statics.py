@@ -44,7 +44,7 @@ class FreeStatics:
         kept = np.ones(body.size, dtype=bool)
         kept[determinate_support(body)] = False
         self._kept = np.flatnonzero(kept)
-        self._factor = factorise(body.K.tocsr()[self._kept][:, self._kept]) if self._kept.size else None
+        self._factor = factorise(body.K.matrix().tocsr()[self._kept][:, self._kept]) if self._kept.size else None
 
     def on_support(self, forces: Array) -> Array:
         """G f (nd, k): displacements of the supported body; the support takes what is not in equilibrium."""

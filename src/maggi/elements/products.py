@@ -45,6 +45,11 @@ class SymmetricBlocks(Table):
     sums: Array
     squares: Array
 
+    @property
+    def order(self) -> int:
+        """The number 3n of rows."""
+        return 3 * (self.indptr.size - 1)
+
     @staticmethod
     def of(matrix: sp.bsr_matrix) -> SymmetricBlocks:
         """The triangle of a matrix of 3×3 blocks whose diagonal blocks are all stored, its rows sorted."""
@@ -64,7 +69,7 @@ class SymmetricBlocks(Table):
 
         Raises ValueError for arrays of other sizes.
         """
-        size = 3 * (self.indptr.size - 1)
+        size = self.order
         if x.size != size or out.size != size or v.size not in (0, size):
             raise ValueError(f"a product of {size} rows got {x.size}, {out.size} and {v.size} values")
         return Product(self, x, v, out)
@@ -72,6 +77,17 @@ class SymmetricBlocks(Table):
     def add_product(self, x: Array, out: Array) -> None:
         """``out += K x``, once."""
         self.product(x, out).add()
+
+    def diagonal(self) -> Array:
+        """The diagonal (3n,)."""
+        return np.ascontiguousarray(np.einsum("nii->ni", self.blocks[self.indptr[:-1]])).ravel()
+
+    def matrix(self) -> sp.bsr_matrix:
+        """Both triangles, (3n, 3n): made anew with every call, and twice as large."""
+        upper = sp.bsr_matrix((self.blocks, self.indices, self.indptr), shape=(self.order, self.order))
+        strict = upper.copy()
+        strict.data[self.indptr[:-1]] = 0.0
+        return upper + strict.T
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -17,8 +18,10 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
-# rslab's allocator keeps what it has freed for a while, a sixth of a factor on top of it; read when it is loaded
+# rslab's allocator keeps what it has freed for a while, a sixth of a factor on top of it, and takes in advance what it may
+# not need; read when it is loaded
 os.environ.setdefault("MIMALLOC_PURGE_DELAY", "0")
+os.environ.setdefault("MIMALLOC_ARENA_EAGER_COMMIT", "0")
 try:
     import rslab
 except ImportError:  # no wheel for this platform
@@ -135,48 +138,85 @@ def factorise(matrix: Any, backend: Backend = "auto") -> Factor:
     if backend == "rslab" and rslab is None:
         raise ModuleNotFoundError("rslab is not installed")
     diagonal = csc.diagonal()
+    probe = Probe(diagonal, csc.__matmul__)
     try:
         if backend == "superlu" or rslab is None:
-            return _probed(SuperLUFactor(csc), diagonal, csc.__matmul__)
-        return _probed(RslabFactor(rows, lambda: rslab.ldlt(csc, **_ordering(rows))), diagonal, csc.__matmul__)
+            return probe.passed(SuperLUFactor(csc))
+        return probe.passed(RslabFactor(rows, lambda: rslab.ldlt(csc, **_ordering(rows))))
     except SingularMatrixError:
         # Of a definite matrix this is the last word. Others may only have needed pivots from off the diagonal.
         if backend == "rslab" or diagonal.min() > 0.0:
             raise
-    return _probed(SuperLUFactor(csc, pivoting=True), diagonal, csc.__matmul__)
+    return probe.passed(SuperLUFactor(csc, pivoting=True))
 
 
 class Pattern:
-    """The pattern of a symmetric matrix, whose analysis serves any number of factorisations.
+    """The pattern of symmetric matrices, whose analysis serves any number of factorisations."""
 
-    indptr (n+1,), indices (m,): the lower triangle by columns, which is the upper one by rows; the diagonal entry is
-    the first of each, the others are sorted behind it.
-    """
-
-    def __init__(self, indptr: NDArray[np.int32], indices: NDArray[np.int32]) -> None:
-        self._indptr, self._indices = indptr, indices
+    def __init__(self) -> None:
         self._analysis: Any = None
 
-    def factorise(self, values: Array) -> Factor:
-        """The factor of the matrix with these entries (m,); raises as the function `factorise` does."""
-        n = self._indptr.size - 1
-        triangle = csc_array((values, self._indices, self._indptr), shape=(n, n))
-        triangle.has_canonical_format = True
+    def prepare(self, triangle: csc_array) -> Prepared:
+        """A matrix ready to be factorised, for which the triangle itself need not be held.
+
+        triangle (n, n): the lower one by columns, the diagonal entry the first of each, the others sorted behind it; of the
+        same pattern in every call.
+
+        Raises ValueError for an entry that is not finite.
+        """
         _refuse_infinite(triangle)
-        diagonal = values[self._indptr[:-1]]
+        diagonal = triangle.data[triangle.indptr[:-1]]
+        probe = Probe(diagonal, lambda x: np.asarray(triangle @ x + triangle.T @ x - diagonal * x))
+        if self._analysis is None and rslab is not None:
+            self._analysis = rslab.analyze(triangle, path="ldlt", **_ordering(triangle.shape[0]))
+        may_fail = self._analysis is None or diagonal.min() <= 0.0
+        return Prepared(self._analysis, triangle.data, probe, triangle if may_fail else None)
 
-        def product(x: Array) -> Array:
-            return np.asarray(triangle @ x + triangle.T @ x - diagonal * x)
 
-        if rslab is not None:
-            if self._analysis is None:
-                self._analysis = rslab.analyze(triangle, path="ldlt", **_ordering(n))
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A matrix that is about to be factorised. triangle: where SuperLU may be needed."""
+
+    analysis: Any
+    values: Array
+    probe: Probe
+    triangle: csc_array | None
+
+    def factorise(self) -> Factor:
+        """Raises SingularMatrixError as the function `factorise` does."""
+        if self.analysis is not None:
             try:
-                return _probed(RslabFactor(n, lambda: self._analysis.factor(values)), diagonal, product)
+                return self.probe.passed(RslabFactor(self.probe.order, lambda: self.analysis.factor(self.values)))
             except SingularMatrixError:
-                if diagonal.min() > 0.0:
+                if self.triangle is None:
                     raise
-        return factorise(triangle + triangle.T - diags_array(diagonal), "superlu")
+        assert self.triangle is not None
+        return factorise(self.triangle + self.triangle.T - diags_array(self.triangle.diagonal()), "superlu")
+
+
+class Probe:
+    """A random solution, which the factor of a matrix has to find again.
+
+    Neither backend notices a pivot that is only nearly zero, such as those of a body that nothing holds; here the
+    free motion turns up in the solution with an error of order one. In the scaled unknowns, so that units do not matter.
+    """
+
+    def __init__(self, diagonal: Array, product: Callable[[Array], Array]) -> None:
+        """For the matrix with this diagonal and these products."""
+        self.order = diagonal.size
+        self._scale = _scale(diagonal)
+        self._expected = np.random.default_rng(0).standard_normal(self.order)
+        with np.errstate(all="ignore"):
+            self._right = product(self._scale * self._expected)
+
+    def passed(self, factor: Factor) -> Factor:
+        """The factor itself. Raises SingularMatrixError."""
+        with np.errstate(all="ignore"):
+            found = factor.solve(self._right) / self._scale
+            error = float(np.linalg.norm(found - self._expected) / np.linalg.norm(self._expected))
+        if not error < PROBE_TOLERANCE:  # also if it is not finite
+            raise SingularMatrixError(_message(self.order))
+        return factor
 
 
 def _ordering(order: int) -> dict[str, Any]:
@@ -188,22 +228,6 @@ def _refuse_infinite(matrix: csc_array) -> None:
         at = int(np.flatnonzero(~np.isfinite(matrix.data))[0])
         column = int(np.searchsorted(matrix.indptr, at, side="right")) - 1
         raise ValueError(f"entry ({matrix.indices[at]}, {column}) of the matrix is {matrix.data[at]}")
-
-
-def _probed(factor: Factor, diagonal: Array, product: Callable[[Array], Array]) -> Factor:
-    """The factor of the matrix with this diagonal and these products, after it has found a known random solution again.
-
-    Neither backend notices a pivot that is only nearly zero, such as those of a body that nothing holds; here the
-    free motion turns up in the solution with an error of order one. In the scaled unknowns, so that units do not matter.
-    """
-    scale = _scale(diagonal)
-    expected = np.random.default_rng(0).standard_normal(factor.order)
-    with np.errstate(all="ignore"):
-        found = factor.solve(product(scale * expected)) / scale
-        error = float(np.linalg.norm(found - expected) / np.linalg.norm(expected))
-    if not error < PROBE_TOLERANCE:  # also if it is not finite
-        raise SingularMatrixError(_message(factor.order))
-    return factor
 
 
 def _scale(diagonal: Array) -> Array:

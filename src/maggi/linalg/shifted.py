@@ -1,6 +1,8 @@
-"""k₁ M + k₂ K as the factorisation reads it: one triangle, entry by entry, nothing else held beside the two."""
+"""k₁ M + k₂ K as the factorisation reads it: one triangle, entry by entry, let go before the factor is made."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,29 +12,36 @@ from numpy.typing import NDArray
 from .factor import Factor, Pattern
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int32]
 
 
 class ShiftedFactors:
-    """Factors of ``k₁ M + k₂ K`` for any k₁, k₂: K (n, n) in 3×3 blocks, whose diagonal blocks are all stored."""
+    """Factors of ``k₁ M + k₂ K`` for any k₁, k₂.
 
-    def __init__(self, K: sp.bsr_matrix) -> None:
-        self._K = K
-        self._pattern: Pattern | None = None
+    indptr (n+1,), indices (nnz,), blocks (nnz, 3, 3): the upper triangle of K by rows of 3×3 blocks, the diagonal block
+    first, the others sorted.
+    """
 
-    def sum(self, k1: float, M: sp.csr_matrix, k2: float) -> Array:
-        """The entries of k₁ M + k₂ K that `factorise` takes. M (n, n): its entries stand in blocks that K has; both sorted."""
-        K = self._K
-        indptr, indices, values = _upper_sum(K.indptr, K.indices, K.data, k2, M.indptr, M.indices, M.data, k1)
-        if indptr[-1] < 0:
-            raise ValueError("M has entries where K has none, or K no diagonal")
-        if self._pattern is None:
-            self._pattern = Pattern(indptr, indices)
-        return np.asarray(values)
+    def __init__(self, indptr: IntArray, indices: IntArray, blocks: Array) -> None:
+        self._triangle = indptr, indices, blocks
+        self._pattern = Pattern()
 
-    def factorise(self, values: Array) -> Factor:
-        """The factor of a sum; M need not be held meanwhile. See `linalg.factor.factorise`."""
-        assert self._pattern is not None
-        return self._pattern.factorise(values)
+    def factorise(self, k1: float, mass: Callable[[], sp.csr_matrix], k2: float) -> Factor:
+        """A factor; raises as `linalg.factor.factorise` does.
+
+        mass : makes M (3n, 3n), whose entries stand in blocks that K has, its rows sorted. It is not held while the factor
+        is made, which is when most memory is needed.
+        """
+        return self._pattern.prepare(self._sum(k1, mass(), k2)).factorise()
+
+    def _sum(self, k1: float, M: sp.csr_matrix, k2: float) -> sp.csc_array:
+        """The lower triangle by columns, which is the upper one by rows."""
+        first, columns, values = _upper_sum(*self._triangle, k2, M.indptr, M.indices, M.data, k1)
+        if first[-1] < 0:
+            raise ValueError("M has entries where K has none")
+        triangle = sp.csc_array((values, columns, first), shape=M.shape)
+        triangle.has_canonical_format = True
+        return triangle
 
 
 @njit(cache=True)
@@ -41,20 +50,12 @@ def _upper_sum(indptr, indices, blocks, k2, m_indptr, m_indices, m_data, k1):  #
     n = indptr.size - 1
     first = np.zeros(3 * n + 1, np.int32)
     for row in range(n):
-        low = indptr[row]
-        while low < indptr[row + 1] and indices[low] < row:
-            low += 1
-        if low == indptr[row + 1] or indices[low] != row:
-            first[-1] = -1
-            return first, np.empty(0, np.int32), np.empty(0)
-        width = 3 * (indptr[row + 1] - low)
+        width = 3 * (indptr[row + 1] - indptr[row])
         for i in range(3):
             first[3 * row + i + 1] = first[3 * row + i] + width - i
     columns, values = np.empty(first[-1], np.int32), np.empty(first[-1])
     for row in range(n):
         low = indptr[row]
-        while indices[low] < row:
-            low += 1
         for i in range(3):
             at = first[3 * row + i]
             q = m_indptr[3 * row + i]

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maggi.bodies.mesh_body import MeshBody
-from maggi.elements.products import SymmetricBlocks
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.factor import Factor
 from maggi.linalg.shifted import ShiftedFactors
@@ -69,20 +68,12 @@ class Condensation:
 
 
 class Condensations:
-    """What bodies that are the same share: constants by step size, and K for the products of every step."""
+    """What bodies that are the same share: constants by step size."""
 
     def __init__(self, body: MeshBody) -> None:
         self._body = body
-        self._factors = ShiftedFactors(body.K)
-        self._stiffness: SymmetricBlocks | None = None
+        self._factors = ShiftedFactors(body.K.indptr, body.K.indices, body.K.blocks)
         self._kept: dict[GeneralizedAlpha, Condensation] = {}
-
-    @property
-    def stiffness(self) -> SymmetricBlocks:
-        """K, every block once."""
-        if self._stiffness is None:
-            self._stiffness = SymmetricBlocks.of(self._body.K)
-        return self._stiffness
 
     def has(self, c: GeneralizedAlpha) -> bool:
         """Whether the constants of a step are kept."""
@@ -104,7 +95,7 @@ class Condensations:
 
     def factorise(self, k1: float, k2: float) -> Factor:
         """The factor of k₁M + k₂K."""
-        return self._factors.factorise(self._factors.sum(k1, self._body.inertia.matrix, k2))
+        return self._factors.factorise(k1, lambda: self._body.inertia.matrix, k2)
 
     def _make_room(self) -> None:
         """Before another is made, which will be about as large as the last."""
@@ -129,7 +120,10 @@ class Condensations:
         W = 0.5 * (W + W.T)
         if k2 == 0.0:
             return Condensation(factor, responses, W, *np.zeros((2, n, n)))
-        Z = self._response(factor, body.K @ Y.T)
+        strained = np.zeros_like(Y)
+        for row, force in zip(Y, strained, strict=True):
+            body.K.add_product(row, force)
+        Z = self._response(factor, strained.T)
         _put(Z, responses, 1)
         W_Z = body.B.T @ Z.T
         # D = mass M + stiffness K on mean axes, and M = (Ŝ − k₂K)/k₁

@@ -116,7 +116,7 @@ class MeshStep:
 
     def _between(self, now: Array, following: Array) -> Passes:
         """The passes for a step between these fields, (4, nd) each."""
-        inertia, stiffness = self.body.inertia, self.shared.stiffness
+        inertia, stiffness = self.body.inertia, self.body.K
         u, ud, udd, _ = following
         step = NodalStep(
             self._linear,
@@ -277,7 +277,7 @@ class MeshStep:
             self._dissipation = self._mass_dissipation()
             if self.body.damping.stiffness:
                 self._scratch[:] = 0.0
-                self.shared.stiffness.add_product(self.ud, self._scratch)
+                self.body.K.add_product(self.ud, self._scratch)
                 self._dissipation += self.body.damping.stiffness * inner_product(self.ud, self._scratch)
         return self._dissipation
 
@@ -293,7 +293,7 @@ class MeshStep:
         inertia = self.body.inertia
         kinetic = inertia.kinetic_energy(motion.v[o : o + 3], motion.v[o + 3 : o + 6], self.u, self.ud)
         self._scratch[:] = 0.0
-        self.shared.stiffness.add_product(self.u, self._scratch)
+        self.body.K.add_product(self.u, self._scratch)
         strain = 0.5 * inner_product(self.u, self._scratch)
         S, _ = inertia.frame_inertia(self.u)
         b = self.index
