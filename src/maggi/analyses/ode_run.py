@@ -139,6 +139,10 @@ class OdeRun:
         """How it goes, for whoever watches."""
         return f"{self.counts.steps:,} steps of the integrator"
 
+    def dissipated(self) -> float:
+        """Energy (J) that damping has taken up to the present."""
+        return float(self.state.work[1])
+
     def residuals(self) -> Array:
         """Scaled liaison residuals at position, velocity and acceleration level, (3,)."""
         out = np.zeros(3)

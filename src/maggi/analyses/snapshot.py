@@ -79,7 +79,7 @@ def visible_liaisons(system: System) -> list[LiaisonEntry]:
 class Present(Protocol):
     """A run as it stands: what rows are made of.
 
-    state: motion, attachments, rows, the energy stored in springs (`power`), work and dissipation (`work`). meshes: of bodies with nodal freedoms. last_iterations: what the last step, or row, has cost.
+    state: motion, attachments, rows, the energy stored in springs (`power`), work (the first of `work`). meshes: of bodies with nodal freedoms. last_iterations: what the last step, or row, has cost.
     """
 
     @property
@@ -90,6 +90,9 @@ class Present(Protocol):
     def meshes(self) -> Sequence[MeshStep]: ...
     @property
     def last_iterations(self) -> int: ...
+
+    def dissipated(self) -> float:
+        """Energy (J) that damping has taken up to the present."""
 
     def residuals(self) -> Array:
         """Scaled liaison residuals at position, velocity and acceleration level, (3,)."""
@@ -157,7 +160,7 @@ class Snapshots:
         run = self._run
         state, gravity = run.state, run.system.forces.gravity
         small = small_body_energy(run.system.bodies, state.now, gravity)
-        result = np.array([small[0], small[1] + state.power[0], small[2], state.work[1], state.work[0]])
+        result = np.array([small[0], small[1] + state.power[0], small[2], run.dissipated(), state.work[0]])
         for mesh in run.meshes:
             result[:3] += mesh.energies(state.now, gravity)
         return result

@@ -270,6 +270,10 @@ class _Stepping:
         """Back-substitutions or corrections of the last step."""
         return self._stepper.last_iterations
 
+    def dissipated(self) -> float:
+        """See `Stepper.dissipated`."""
+        return self._stepper.dissipated()
+
     def residuals(self) -> Array:
         """See `Stepper.residuals`."""
         return self._stepper.residuals()

@@ -154,7 +154,6 @@ class Stepper:
         for mesh in self.meshes:
             mesh.write_small(self.trial.accepted, vectors)
         self._alike = 0
-        self._account()
         self._show(t)
 
     def _show(self, t: float) -> None:
@@ -200,7 +199,6 @@ class Stepper:
         """After `done` of `steps` steps from time t: renew `state`, and keep what a step that failed has tried."""
         if done < steps:
             to_model(self.small, self.trial, self.tried)
-        self._account()
         self._show(t + done * self.coefficients.h)
 
     def _phase(self, phase: int, c: GeneralizedAlpha, end: float) -> tuple[int, int]:
@@ -221,7 +219,8 @@ class Stepper:
     def _account(self) -> None:
         """Integrate what damping of the meshes has taken up to the present, by the trapezoidal rule.
 
-        A step later than the rest of the balance, where the next residual finds the power on its way.
+        A step later than the rest of the balance, where the next residual finds the power on its way; a product with K for
+        each mesh where it is asked for earlier.
         """
         if not self.meshes:
             return
@@ -318,6 +317,11 @@ class Stepper:
         if exact and sizes[-1] <= floor:
             return True
         return self.policy.enough(sizes, allowed, floor)
+
+    def dissipated(self) -> float:
+        """Energy (J) that damping has taken up to the present."""
+        self._account()
+        return float(self.trial.work[1])
 
     def residuals(self) -> Array:
         """Scaled liaison residuals at position, velocity and acceleration level of the last step, (3,)."""
