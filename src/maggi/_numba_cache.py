@@ -27,6 +27,8 @@ OWN_VARIABLE = "MAGGI_NUMBA_CACHE_DIR"
 KEPT_FOLDERS = 4
 KEPT_SECONDS = 86_400.0
 
+Module = tuple[str, ...]
+
 # An import statement: either `from module import names` (in parentheses or not) or `import modules`.
 IMPORT = re.compile(rb"\n[ \t]*(?:from[ \t]+([.\w]+)[ \t]+import[ \t]*(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]*))")
 WORD = re.compile(rb"[.\w]+")
@@ -56,36 +58,50 @@ def configure(package: Path) -> None:
 
 def source_key(package: Path) -> str:
     """A hash of the sources that kernels are made from, of the compilers' versions and of Python's."""
-    texts = {path: path.read_bytes() for path in sorted(package.rglob("*.py"))}
+    texts = sources(package)
     digest = hashlib.sha256(sys.version.encode())
     for name, file in COMPILERS:
         spec = find_spec(name)
         for location in (spec.submodule_search_locations or ()) if spec else ():
             digest.update((Path(location) / file).read_bytes())
-    texts.pop(package / "__init__.py", None)  # the facade names everything and holds no kernel
-    for path in seen_by_kernels(package, texts):
-        digest.update(b"%s\0%d\0" % (path.relative_to(package).as_posix().encode(), len(texts[path])))
-        digest.update(texts[path])
+    texts.pop((package.name, "__init__"), None)  # the facade names everything and holds no kernel
+    for module in seen_by_kernels(texts):
+        digest.update(b"%s\0%d\0" % (".".join(module[1:]).encode(), len(texts[module])))
+        digest.update(texts[module])
     return digest.hexdigest()[:20]
 
 
-def seen_by_kernels(package: Path, texts: dict[Path, bytes]) -> list[Path]:
+def sources(package: Path) -> dict[Module, bytes]:
+    """The text of every module of a package by its name in parts, that of a package ending in ``__init__``.
+
+    With strings for paths: this is done at every start.
+    """
+    texts: dict[Module, bytes] = {}
+    waiting: list[tuple[str, Module]] = [(str(package), (package.name,))]
+    while waiting:
+        folder, inside = waiting.pop()
+        with os.scandir(folder) as entries:
+            for entry in entries:
+                if entry.name.endswith(".py"):
+                    with open(entry.path, "rb") as file:
+                        texts[(*inside, entry.name.removesuffix(".py"))] = file.read()
+                elif entry.is_dir() and entry.name != "__pycache__":
+                    waiting.append((entry.path, (*inside, entry.name)))
+    return texts
+
+
+def seen_by_kernels(texts: dict[Module, bytes]) -> list[Module]:
     """The modules that import numba, or `compiling`, and, transitively, those that they import, packages' `__init__` included; sorted.
 
     Whatever is named after `import` counts, a module or not, and so does a name in a text that looks like an import:
     now and then one too many, never one too few.
     """
-    modules: dict[tuple[str, ...], Path] = {}
-    for path in texts:
-        parts = (package.name, *path.relative_to(package).with_suffix("").parts)
-        modules[parts[:-1] if parts[-1] == "__init__" else parts] = path
-    names = {path: name for name, path in modules.items()}
-    waiting = [path for path, text in texts.items() if NUMBA.search(b"\n" + text)]
+    modules = {module[:-1] if module[-1] == "__init__" else module: module for module in texts}
+    waiting = [module for module, text in texts.items() if NUMBA.search(b"\n" + text)]
     seen = set(waiting)
     while waiting:
-        path = waiting.pop()
-        inside = names[path] if path.stem == "__init__" else names[path][:-1]
-        for dotted in imported(texts[path], inside):
+        module = waiting.pop()
+        for dotted in imported(texts[module], module[:-1]):
             found = {modules[part] for k in range(len(dotted)) if (part := dotted[: k + 1]) in modules} - seen
             seen |= found
             waiting += found
