@@ -146,7 +146,9 @@ def memory_of(freedoms: int) -> dict[str, float]:
     K, M = body.K.matrix(), sp.csr_matrix(body.inertia.matrix)
     M.eliminate_zeros()
     matrices = K.data.nbytes + K.indices.nbytes + M[::3, ::3].nnz * 12
-    analysis = rslab.analyze(sp.tril(step_matrix(body)).tocsc(), path="ldlt", ordering="metis")
+    analysis = rslab.analyze(
+        sp.tril(step_matrix(body)).tocsc(), path="ldlt", ordering="metis", threads=min(4, os.cpu_count() or 1)
+    )
     plan = analysis.memory_plan()
     return {
         "freedoms": body.size,

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
@@ -142,7 +143,7 @@ def factorise(matrix: Any, backend: Backend = "auto") -> Factor:
     try:
         if backend == "superlu" or rslab is None:
             return probe.passed(SuperLUFactor(csc))
-        return probe.passed(RslabFactor(rows, lambda: rslab.ldlt(csc, **_ordering(rows))))
+        return probe.passed(RslabFactor(rows, lambda: rslab.ldlt(csc, **_settings(rows))))
     except SingularMatrixError:
         # Of a definite matrix this is the last word. Others may only have needed pivots from off the diagonal.
         if backend == "rslab" or diagonal.min() > 0.0:
@@ -168,7 +169,7 @@ class Pattern:
         diagonal = triangle.data[triangle.indptr[:-1]]
         probe = Probe(diagonal, lambda x: np.asarray(triangle @ x + triangle.T @ x - diagonal * x))
         if self._analysis is None and rslab is not None:
-            self._analysis = rslab.analyze(triangle, path="ldlt", **_ordering(triangle.shape[0]))
+            self._analysis = rslab.analyze(triangle, path="ldlt", **_settings(triangle.shape[0]))
         may_fail = self._analysis is None or diagonal.min() <= 0.0
         return Prepared(self._analysis, triangle.data, probe, triangle if may_fail else None)
 
@@ -219,8 +220,11 @@ class Probe:
         return factor
 
 
-def _ordering(order: int) -> dict[str, Any]:
-    return {"ordering": "metis", "nd_leaf_size": LEAF} if order >= DISSECTION_ORDER else {}
+def _settings(order: int) -> dict[str, Any]:
+    if order < DISSECTION_ORDER:
+        return {}
+    # the library's own choice is four threads, on whatever cores there are: each holds what it works on
+    return {"ordering": "metis", "nd_leaf_size": LEAF, "threads": min(4, int(numba.get_num_threads()))}
 
 
 def _refuse_infinite(matrix: csc_array) -> None:
