@@ -5,13 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from linkages import four_bar
 
 from maggi.analyses.transient import prepare
+from maggi.model.bodies import RigidBody
+from maggi.model.geometry import Pose
+from maggi.model.joints import End, Joint
+from maggi.model.model import Model
 from maggi.model.simulation import Simulation
 from maggi.stepping.linearization import BETWEEN, STEADILY, UNMOVED
 from maggi.stepping.stepper import Stepper
-from maggi.stepping.tables import LOOSE, STEADY
+from maggi.stepping.tables import LOOSE, SINE, STEADY
 
 STEP, STEPS = 1e-3, 120
 REDUNDANT = 3  # of the five rows of the hinge that closes a plane loop
@@ -67,3 +72,36 @@ def test_rows_that_no_longer_hold_by_themselves_come_back() -> None:
     assert stepper.advance(2 * STEADILY * STEP, 1) == 1
     assert work.flags[STEADY] == 1
     assert (np.flatnonzero(work.kept == 0) == left_out).all()
+
+
+def almost_flat(angle: float, masses: tuple[float, float, float]) -> Stepper:
+    """A parallelogram of 1 x 2 m whose cranks are at `angle` (rad) to the base, after a step at rest."""
+    along = np.array([np.cos(angle), np.sin(angle), 0.0])
+    corners = np.array([np.zeros(3), along, along + [2.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    names = ("ground", "crank", "coupler", "rocker", "ground")
+    bodies = {}
+    for k, mass in enumerate(masses):
+        rod = corners[k + 1] - corners[k]
+        inertia = mass * (rod @ rod) / 12.0 * np.eye(3)
+        bodies[names[k + 1]] = RigidBody(mass, tuple(0.5 * rod), tuple(map(tuple, inertia)), Pose(tuple(corners[k])))
+    joints = {
+        f"j{k}": Joint("revolute", End(names[k]), End(names[k + 1]), at=tuple(corners[k]), axis=(0.0, 0.0, 1.0))
+        for k in range(4)
+    }
+    stepper, _, _, _ = prepare(Model(bodies, joints, simulation=Simulation(1.0, 1e-7)))
+    stepper.set_step(1e-7)
+    assert stepper.advance(0.0, 1) == 1
+    return stepper
+
+
+@pytest.mark.parametrize("masses", [(1.0, 1e4, 1e-4), (1e-4, 1.0, 1e4), (1e4, 1e-4, 1.0)])
+def test_how_close_a_singular_position_is_does_not_depend_on_masses(masses) -> None:
+    even, uneven = (almost_flat(1e-3, each) for each in ((1.0, 1.0, 1.0), masses))
+    assert even.work.numbers[SINE] < 1e-3
+    assert uneven.work.numbers[SINE] == pytest.approx(even.work.numbers[SINE], rel=1e-6, abs=0.0)
+    np.testing.assert_array_equal(uneven.work.active, even.work.active)
+
+
+def test_the_sine_is_in_proportion_to_the_distance_from_a_singular_position() -> None:
+    near, far = almost_flat(2e-3, (1.0, 1e4, 1e-4)), almost_flat(4e-3, (1.0, 1e4, 1e-4))
+    assert far.work.numbers[SINE] == pytest.approx(2.0 * near.work.numbers[SINE], rel=1e-3, abs=0.0)
