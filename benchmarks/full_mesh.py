@@ -17,7 +17,7 @@ from common.bars import BAR_STEP, CRANK_STEP, cells_for, hinged_bars, slider_cra
 from common.ours import Ours
 from common.tables import Table, error, milli, times
 from common.targets import Target
-from common.timing import median, ratio, wall_seconds
+from common.timing import each, median, ratio, wall_seconds
 from maggi.model.model import Model
 
 Array = NDArray[np.float64]
@@ -88,11 +88,6 @@ def simulate(
     return Outcome(
         mesh.body.size, *(np.array(x) for x in (step, solve, product, limit)), substitutions, residuals, np.array(path)
     )
-
-
-def each(count: int, action: Callable[[], object]) -> float:
-    """Seconds of one of some calls."""
-    return wall_seconds(lambda: [action() for _ in range(count)]) / count
 
 
 def main() -> None:

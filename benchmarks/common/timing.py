@@ -49,3 +49,8 @@ def wall_seconds(action: Callable[[], object]) -> float:
     began = time.perf_counter()
     action()
     return time.perf_counter() - began
+
+
+def each(count: int, action: Callable[[], object]) -> float:
+    """Seconds of one of some calls."""
+    return wall_seconds(lambda: [action() for _ in range(count)]) / count
