@@ -21,7 +21,7 @@ from scipy.sparse.linalg import splu
 
 # rslab's allocator keeps what it has freed for a second, a sixth of a factor on top of it, and takes in advance what it may
 # not need; a solve asks again for what the last one freed, though. In milliseconds; read when it is loaded.
-os.environ.setdefault("MIMALLOC_PURGE_DELAY", "50")
+os.environ.setdefault("MIMALLOC_PURGE_DELAY", "10")
 os.environ.setdefault("MIMALLOC_ARENA_EAGER_COMMIT", "0")
 try:
     import rslab
