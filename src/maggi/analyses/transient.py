@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
@@ -132,15 +132,16 @@ def _built(model: Model, progress: Progress, timings: dict[str, float], *, dense
         timings["rigid run"] = time.perf_counter() - clock
         clock = time.perf_counter()
     system = build_system(model, recorded=recorded, dense=dense, meshes=meshes, announce=progress.stage)
-    ahead.await_rows(_compile_passes if system.mesh_bodies else None)
+    bodies = system.mesh_bodies.values()
+    ahead.await_rows((lambda: _compile_passes(bodies)) if bodies else None)
     timings["assembly"] = time.perf_counter() - clock
     return system
 
 
-def _compile_passes() -> None:
+def _compile_passes(bodies: Iterable[MeshBody]) -> None:
     from maggi.stepping.mesh_passes import compile_passes  # others do without what meshes need
 
-    compile_passes()
+    compile_passes(solids=any(body.freedoms is not None for body in bodies))
 
 
 def started(

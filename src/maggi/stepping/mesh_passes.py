@@ -12,15 +12,18 @@ from maggi.elements.products import SymmetricBlocks
 from .nodal_kernels import CACHED, NodalStep, correct_nodal, predict_nodal
 
 
-def compile_passes() -> None:
-    """Go once through the passes of a step, for two nodes of which an attachment makes one rigid."""
+def compile_passes(*, solids: bool) -> None:
+    """Go once through the passes of a step, for two nodes of which an attachment makes one rigid.
+
+    solids : the inertia of solids too; that of beams is compiled for the body.
+    """
     nodes = np.zeros((2, 3))
     freedoms = Freedoms.of(nodes, [(np.array([1]), np.zeros(3))])
     n = freedoms.size
     x, out = np.zeros(n), np.zeros(n)
-    IsotropicInertia(nodes, sp.csr_matrix(np.eye(2)), freedoms).forces(x, x, x, out).residual(
-        np.zeros((3, 3)), np.zeros(6)
-    )
+    if solids:
+        inertia = IsotropicInertia(nodes, sp.csr_matrix(np.eye(2)), freedoms)
+        inertia.forces(x, x, x, out).residual(np.zeros((3, 3)), np.zeros(6))
     diagonal = sp.bsr_matrix((np.zeros((n // 3, 3, 3)), np.arange(n // 3), np.arange(n // 3 + 1)))
     SymmetricBlocks.of(diagonal).product(x, out).add()
     step = NodalStep(
