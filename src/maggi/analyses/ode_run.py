@@ -119,6 +119,7 @@ class OdeRun:
         )
         self._piece: Piece | None = None
         self._chart = self._equations.ode.chart
+        self._metric = geometric_metric(system)
         self._show(0.0, self._equations.z0)
 
     def advance(self, done: int, until: int) -> int:
@@ -155,9 +156,7 @@ class OdeRun:
         if len(self._equations.ode.chart.velocities.redundant) == 0:
             return multipliers, np.ones(system.rows, dtype=np.bool_)
         all_rows = np.ones(system.rows, dtype=np.int64)
-        Z = left_null_space(
-            system.liaisons, system.bodies, self.state.rows.A, geometric_metric(system), all_rows, system.size
-        )
+        Z = left_null_space(system.liaisons, system.bodies, self.state.rows.A, self._metric, all_rows, system.size)
         return least_norm(system.liaisons, Z, multipliers, system.size)
 
     def _next(self) -> Piece:

@@ -115,6 +115,8 @@ class Snapshots:
         self._seconds = np.array([entry.reference for entry in self._liaisons], dtype=np.int64)
         self.shared: dict[str, None] = {}  # joints whose forces were not unique at some row, in order
         self._meshes: dict[int, MeshStep] = {mesh.index: mesh for mesh in run.meshes}
+        self._shares = _shares(system, self._liaisons)
+        self._coordinates = [entry.coordinates for entry in self._liaisons]
 
     def row(self, t: float) -> Row:
         """The present state at time t."""
@@ -149,7 +151,7 @@ class Snapshots:
             force,
             torque,
             unique,
-            tuple(state.rows.coordinate[entry.coordinates, 0] for entry in self._liaisons),
+            tuple(state.rows.coordinate[chosen, 0] for chosen in self._coordinates),
             self.energies(),
             run.residuals(),
             run.last_iterations,
@@ -186,18 +188,29 @@ class Snapshots:
 
         They are minus the rows' shares in Aᵀλ, of least norm where rows repeat each other.
         """
-        state, table = self._run.state, self._run.system.liaisons
         multipliers, sure = self._run.multipliers()
-        unique = np.array([sure[entry.rows].all() for entry in self._liaisons], dtype=np.int64)
-        force, torque = np.zeros((len(self._liaisons), 3)), np.zeros((len(self._liaisons), 3))
-        for j, entry in enumerate(self._liaisons):
-            for row in entry.rows:
-                ends = slice(table.end_start[row], table.end_start[row + 1])
-                on_second = table.end[ends, END_ATTACHMENT] == entry.reference
-                wrench = state.rows.wrench[ends][on_second].sum(axis=0)
-                force[j] -= multipliers[row] * wrench[:3]
-                torque[j] -= multipliers[row] * wrench[3:]
-        return force, torque, unique
+        liaison, row, end = self._shares
+        wrench = np.zeros((len(self._liaisons), 6))
+        np.subtract.at(wrench, liaison, multipliers[row, None] * self._run.state.rows.wrench[end])
+        unique = np.ones(len(self._liaisons), dtype=np.int64)
+        if not sure.all():
+            for j, entry in enumerate(self._liaisons):
+                unique[j] = sure[entry.rows].all()
+        return wrench[:, :3], wrench[:, 3:], unique
+
+
+def _shares(system: System, liaisons: list[LiaisonEntry]) -> tuple[IntArray, IntArray, IntArray]:
+    """What joints exert on their second bodies is made of: liaison, row and end of every share, (s,) each."""
+    table = system.liaisons
+    found = [
+        (j, row, end)
+        for j, entry in enumerate(liaisons)
+        for row in entry.rows
+        for end in range(table.end_start[row], table.end_start[row + 1])
+        if table.end[end, END_ATTACHMENT] == entry.reference
+    ]
+    liaison, row, end = np.array(found, dtype=np.int64).reshape(-1, 3).T
+    return liaison, row, end
 
 
 def _elastic(system: System, body: int) -> int:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from maggi.linalg.vectors import cross
+from maggi.linalg.vectors import cross, cross_rows
 
 from .ritz_kernels import deformed_inertia, inertia_residual, mass_matrix
 from .tables import RIGID, RITZ, Array, BodyTable, MotionState
@@ -50,9 +50,10 @@ def small_body_energy(table: BodyTable, state: MotionState, gravity: Array) -> A
     first = table.offset[rigid][:, None] + np.arange(3)
     v, w = state.v[first], state.v[first + 3]
     mass, S, J = table.mass[rigid], table.S0[rigid], table.J0[rigid]
-    kinetic = 0.5 * mass @ np.einsum("bi,bi->b", v, v) + 0.5 * np.einsum("bi,bij,bj->", w, J, w)
-    kinetic += np.einsum("bi,bi->", v, np.cross(w, S))
-    moment = mass @ state.origin[rigid] + np.einsum("bij,bj->i", state.rotation[rigid], S)
+    # v·(ω × S) = S·(v × ω)
+    angular = 0.5 * (J @ w[:, :, None])[:, :, 0]
+    kinetic = 0.5 * mass @ (v * v).sum(axis=1) + (w * angular).sum() + (S * cross_rows(v, w)).sum()
+    moment = mass @ state.origin[rigid] + (state.rotation[rigid] @ S[:, :, None]).sum(axis=0)[:, 0]
     out = np.array([kinetic, 0.0, -gravity @ moment, 0.0])
     for b in map(int, np.flatnonzero(table.kind == RITZ)):
         o, e = int(table.offset[b]), int(table.offset[b + 1])

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from maggi.bodies.tables import BodyTable
 from maggi.liaisons.tables import ROW_ANGULAR, LiaisonTable
+from maggi.linalg.compiling import inner_kernel, kernel
 
 from .range_space import assemble_compliance, factorise, solve
 
@@ -27,24 +30,65 @@ def left_null_space(
     active (r,): rows that a singular position has made dependent. size (m): what makes forces of moments.
     """
     r = len(liaisons.row)
+    L, pivot, scale, Z = np.zeros(int(liaisons.skyline_start[-1])), np.zeros(r), np.zeros(r), np.zeros((r, r))
+    weight = _weights(liaisons, size)
+    return Z[:, : _null_space(liaisons, bodies, A, metric, active, weight, L, pivot, scale, Z)]
+
+
+@kernel
+def _null_space(
+    liaisons: LiaisonTable,
+    bodies: BodyTable,
+    A: Array,
+    metric: Array,
+    active: IntArray,
+    weight: Array,
+    L: Array,
+    pivot: Array,
+    scale: Array,
+    Z: Array,
+) -> int:
+    """`left_null_space` into the first columns of Z (r, r); how many they are."""
     first, start = liaisons.skyline_first, liaisons.skyline_start
-    L, pivot, scale = np.zeros(int(start[-1])), np.zeros(r), np.zeros(r)
+    r = pivot.shape[0]
     assemble_compliance(liaisons, bodies, A, metric, L)
     matrix = L.copy()
     factorise(first, start, L, pivot, scale, active)
-    dependent = np.flatnonzero(pivot == 0.0)
-    if dependent.size == 0:
-        return np.zeros((r, 0))
-    # each dependent row less what the independent ones make of it: Λ_II x = Λ_Id
-    columns = np.zeros((r, dependent.size))
-    for k, d in enumerate(dependent):
-        right = _column(matrix, first, start, int(d))
-        right[pivot == 0.0] = 0.0
-        solve(first, start, L, pivot, right)
-        columns[:, k] = -right
-        columns[d, k] = 1.0
-    weight = np.where(liaisons.row[:, ROW_ANGULAR] == 1, 1.0 / size, 1.0)
-    return np.asarray(np.linalg.qr(columns * weight[:, None])[0])
+    column = np.empty(r)
+    count = 0
+    for d in range(r):
+        if pivot[d] != 0.0:
+            continue
+        # a dependent row less what the independent ones make of it: Λ_II x = Λ_Id
+        for i in range(r):
+            low, high = min(i, d), max(i, d)
+            inside = pivot[i] != 0.0 and low >= first[high]
+            column[i] = matrix[start[high] + low - first[high]] if inside else 0.0
+        solve(first, start, L, pivot, column)
+        for i in range(r):
+            Z[i, count] = -column[i] * weight[i]
+        Z[d, count] = weight[d]
+        orthonormalise(Z, count)
+        count += 1
+    return count
+
+
+@inner_kernel
+def orthonormalise(Z: Array, last: int) -> None:
+    """Make column `last` of Z (r, n) orthogonal to those before it, twice, since once leaves round-off, and of length one."""
+    r = Z.shape[0]
+    for _ in range(2):
+        for k in range(last):
+            product = 0.0
+            for i in range(r):
+                product += Z[i, k] * Z[i, last]
+            for i in range(r):
+                Z[i, last] -= product * Z[i, k]
+    length = 0.0
+    for i in range(r):
+        length += Z[i, last] * Z[i, last]
+    for i in range(r):
+        Z[i, last] /= math.sqrt(length)
 
 
 def least_norm(liaisons: LiaisonTable, Z: Array, multipliers: Array, size: float) -> tuple[Array, NDArray[np.bool_]]:
@@ -52,17 +96,11 @@ def least_norm(liaisons: LiaisonTable, Z: Array, multipliers: Array, size: float
 
     Z : from `left_null_space`. The norm counts forces (N), and moments by size (m) as forces.
     """
-    weight = np.where(liaisons.row[:, ROW_ANGULAR] == 1, 1.0 / size, 1.0)
+    weight = _weights(liaisons, size)
     scaled = weight * multipliers
     return (scaled - Z @ (Z.T @ scaled)) / weight, np.asarray(np.linalg.norm(Z, axis=1) < _SHARE)
 
 
-def _column(matrix: Array, first: IntArray, start: IntArray, d: int) -> Array:
-    """Column d of a symmetric skyline matrix."""
-    r = len(first)
-    column = np.zeros(r)
-    column[first[d] : d + 1] = matrix[start[d] : start[d + 1]]
-    below = np.arange(d + 1, r)
-    below = below[first[d + 1 :] <= d]
-    column[below] = matrix[start[below] + d - first[below]]
-    return column
+def _weights(liaisons: LiaisonTable, size: float) -> Array:
+    """1 for rows of forces, 1/size for those of moments (r,)."""
+    return np.where(liaisons.row[:, ROW_ANGULAR] == 1, 1.0 / size, 1.0)

@@ -94,6 +94,7 @@ class Stepper:
         self._rho_inf = rho_inf
         self._tolerance = tolerance
         self._announce = announce
+        self._metric: Array | None = None  # where rows repeat each other
         self._alike = 0  # how many accelerations before the last belong to the same step size
         # power (W) that damping of the meshes took at the last instant whose dissipation is in the balance, and the step
         # (s) made since
@@ -335,8 +336,9 @@ class Stepper:
         r = len(self.relative.closures.row)
         if (self.work.pivot[:r] > 0.0).all():
             return state.multipliers, np.ones(system.rows, dtype=np.bool_)
-        metric = geometric_metric(system)
-        Z = left_null_space(system.liaisons, system.bodies, state.rows.A, metric, state.active, system.size)
+        if self._metric is None:
+            self._metric = geometric_metric(system)
+        Z = left_null_space(system.liaisons, system.bodies, state.rows.A, self._metric, state.active, system.size)
         return least_norm(system.liaisons, Z, state.multipliers, system.size)
 
     def failure(self, t: float) -> SimulationError:
