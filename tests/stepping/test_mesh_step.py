@@ -1,11 +1,14 @@
-"""What damping of a mesh takes: found a step later, while K is read for the next residual."""
+"""Energies of a mesh, and what its damping takes: found a step later, while K is read for the next residual."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from maggi.analyses.transient import prepare
+from maggi.elements.assembly import assemble_solids
 from maggi.model.attachments import Attachment, NamedSet
 from maggi.model.bodies import ElasticBody
 from maggi.model.joints import End, Joint
@@ -16,13 +19,14 @@ from maggi.model.simulation import Simulation
 from maggi.stepping.stepper import Stepper
 
 STEP, STEPS = 1e-3, 12
+MATERIAL = Material(2700.0, 7e9, 0.3)
 DAMPING = [Damping(stiffness=1e-5), Damping(mass=2.0), Damping(mass=2.0, stiffness=1e-5)]
 
 
 def falling_bar(damping: Damping) -> Stepper:
     body = ElasticBody(
         BoxMesh((0.5, 0.02, 0.02), (4, 1, 1), "hex20"),
-        Material(2700.0, 7e9, 0.3, damping),
+        replace(MATERIAL, damping=damping),
         attachments={"root": Attachment(nodes=NamedSet("x_min"))},
     )
     hinge = Joint("revolute", End("ground"), End("bar", "root"), axis=(0.0, 1.0, 0.0))
@@ -45,6 +49,29 @@ def test_dissipated_energy_is_the_trapezoidal_sum_of_powers(damping: Damping) ->
     assert expected > 0.0
     assert stepper.dissipated() == pytest.approx(expected, rel=1e-11, abs=0)
     assert mesh.dissipation() == pytest.approx(powers[-1], rel=1e-11, abs=0)
+
+
+@pytest.mark.parametrize("damping", [*DAMPING, Damping()], ids=["stiffness", "mass", "both", "none"])
+def test_energies_are_those_of_dense_matrices(damping: Damping) -> None:
+    stepper = falling_bar(damping)
+    assert stepper.advance(0.0, STEPS) == STEPS
+    mesh, now = stepper.meshes[0], stepper.state.now
+    body, first = mesh.body, int(stepper.system.bodies.offset[mesh.index])
+    K = body.K.matrix()
+    gravity = np.array([0.0, 0.0, -9.81])
+    kinetic, strain, potential = mesh.energies(now, gravity)
+    round_off = 1e-15 * np.abs(mesh.u) @ (abs(K) @ np.abs(mesh.u))
+    assert strain == pytest.approx(0.5 * mesh.u @ (K @ mesh.u), rel=0, abs=round_off)
+    assert strain > 1e5 * round_off
+    # T = ½ ∫ρ |v + ω × (X + u) + u̇|² with the consistent mass of all nodes, tied ones included
+    mu = assemble_solids(body.mesh.nodes, body.mesh.cells, MATERIAL).mass
+    v, w = now.v[first : first + 3], now.v[first + 3 : first + 6]
+    places = body.mesh.nodes + body.nodal_displacement(mesh.u)
+    velocities = v + np.cross(w, places) + body.nodal_displacement(mesh.ud)
+    assert kinetic == pytest.approx(0.5 * np.sum(velocities * (mu @ velocities)), rel=1e-12, abs=0)
+    weights = np.asarray(mu.sum(axis=1)).ravel()
+    center = now.origin[mesh.index] + now.rotation[mesh.index] @ (weights @ places) / weights.sum()
+    assert potential == pytest.approx(-weights.sum() * (gravity @ center), rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize("damping", DAMPING, ids=["stiffness", "mass", "both"])

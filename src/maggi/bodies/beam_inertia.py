@@ -70,12 +70,6 @@ class BeamInertia:
             axes.project_forces(nodal)
         return S, J
 
-    def frame_inertia(self, u: Array) -> tuple[Array, Array]:
-        zero = np.zeros(3)
-        scratch = np.empty_like(u)
-        _beam_pass(self._indptr, self._indices, self._blocks, zero, zero, u, u, u, scratch, self._scalars)
-        return self.S0 + self._m_O.T @ u, self._inertia(u, self._scalars[:9].reshape(3, 3))
-
     def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
         scratch = np.empty_like(u)
         zero = np.zeros(3)

@@ -109,11 +109,6 @@ class IsotropicInertia:
             self._wrenches,
         )
 
-    def frame_inertia(self, u: Array) -> tuple[Array, Array]:
-        accelerations(self._nodal_forces(u, u, u, u), PARTS)
-        self._sums.sum(axis=0, out=self._moved)
-        return self._deformed()
-
     def evaluate(self, of: NodalForces, drive: Array, frame: Array, axes: MeanAxes | None) -> tuple[Array, Array]:
         """The forces of the accelerations that drive (3, 3), a_O, ω and ε, says, on the freedoms and on the frame; S and J.
 
@@ -136,8 +131,11 @@ class IsotropicInertia:
         return self.S0 + s[:3], self.J0 + (s[3] + s[6] + s[8]) * np.eye(3) - second
 
     def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
-        velocity = v + np.cross(w, self._nodes + self._expand(u)) + self._expand(ud)
-        return float(0.5 * np.sum(velocity * (self._mu @ velocity)))
+        spin = np.array([[0.0, w[2], -w[1]], [-w[2], 0.0, w[0]], [w[1], -w[0], 0.0]])  # x spin = ω × x
+        velocity = (self._nodes + self._expand(u)) @ spin
+        velocity += v
+        velocity += self._expand(ud)
+        return float(0.5 * np.einsum("ni,ni->", velocity, self._mu @ velocity))
 
     def constants(self, basis: Array) -> InertiaConstants:
         fields = self._freedoms.expand_many(basis)

@@ -23,8 +23,8 @@ class InertiaForces(Protocol):
         """Inertia forces on the freedoms, in the array that they were asked for in, and on the frame, `frame` (6,).
 
         drive (3, 3): acceleration a_O of the frame's origin less gravity, ω and ε, body axes. Eq. T2, T5, T5a. With mean
-        axes given, forces on the freedoms are Pᵀ of what they would be (T6). Returns S and J as `MeshInertia.frame_inertia`
-        does; valid until the next call.
+        axes given, forces on the freedoms are Pᵀ of what they would be (T6). Returns the first moment S (3,)
+        and the inertia J (3, 3) about the frame's origin, deformed, J to first order lumped in u²; valid until the next call.
         """
 
 
@@ -41,9 +41,6 @@ class MeshInertia(Protocol):
 
     def forces(self, u: Array, ud: Array, udd: Array, nodal: Array) -> InertiaForces:
         """Of the fields in these arrays, at any time, on the freedoms, `nodal` (nd,)."""
-
-    def frame_inertia(self, u: Array) -> tuple[Array, Array]:
-        """First moment S (3,) and inertia J (3, 3) about the frame's origin, deformed; J to first order lumped in u²."""
 
     def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
         """Kinetic energy (J); v, w: the frame's twist, body axes."""

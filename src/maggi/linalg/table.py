@@ -24,6 +24,7 @@ from numba.extending import NativeValue, models, register_model, unbox
 from numba.np import arrayobj
 
 WORD = ir.IntType(64)
+NO_ARRAY = -1  # in place of the number of dimensions
 KINDS = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64, np.dtype(np.int32): types.int32}
 
 
@@ -47,10 +48,9 @@ class Table:
     def __post_init__(self) -> None:
         """Make the directory: address and shape of every array, in words of 64 bits."""
         words: list[int] = []
-        places: list[tuple[str, Any, int]] = []
+        kinds: list[tuple[Any, int]] = []  # of array with its dimensions, or of table, or number, with none
         for field in fields(self):
             value = getattr(self, field.name)
-            place = len(words)
             if isinstance(value, np.ndarray):
                 kind = KINDS.get(value.dtype)
                 if not value.flags.c_contiguous or kind is None:
@@ -58,19 +58,19 @@ class Table:
                         f"{type(self).__name__}.{field.name} is to be a contiguous array of float64, int64 or int32, "
                         f"not of {value.dtype} with strides {value.strides}"
                     )
-                places.append((field.name, types.Array(kind, value.ndim, "C"), place))
-                words += [value.ctypes.data, *value.shape]
+                kinds.append((kind, value.ndim))
+                words += [value.__array_interface__["data"][0], *value.shape]
             elif isinstance(value, Table):
-                places.append((field.name, value.__dict__["_numba_type_"], place))
+                kinds.append((value.__dict__["_numba_type_"], NO_ARRAY))
                 words.append(value.__dict__["_address"])
             else:
-                places.append((field.name, types.float64, place))
+                kinds.append((types.float64, NO_ARRAY))
                 words.append(struct.unpack("q", struct.pack("d", float(value)))[0])
         directory = np.array(words, dtype=np.int64)
         self.__dict__.update(
             _directory=directory,
             _address=directory.ctypes.data,
-            _numba_type_=TableType(type(self).__name__, tuple(places)),
+            _numba_type_=_table_type(type(self), tuple(kinds)),
         )
 
     def __iter__(self) -> Iterator[Any]:
@@ -80,6 +80,24 @@ class Table:
     def copy(self) -> Self:
         """A table of copies of all arrays."""
         return type(self)(*(value.copy() if isinstance(value, np.ndarray | Table) else value for value in self))
+
+
+_types: dict[tuple[object, tuple[tuple[Any, int], ...]], TableType] = {}
+
+
+def _table_type(table: type[Table], kinds: tuple[tuple[Any, int], ...]) -> TableType:
+    """What numba knows of tables of one class whose fields are of these kinds: to make it takes a hundred times as long as a table."""
+    known = _types.get((table, kinds))
+    if known is not None:
+        return known
+    places: list[tuple[str, Any, int]] = []
+    place = 0
+    for field, (kind, ndim) in zip(fields(table), kinds, strict=True):
+        is_array = ndim != NO_ARRAY
+        places.append((field.name, types.Array(kind, ndim, "C") if is_array else kind, place))
+        place += 1 + ndim if is_array else 1
+    made = _types[table, kinds] = TableType(table.__name__, tuple(places))
+    return made
 
 
 def numba_type(table: Table) -> TableType:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from maggi.bodies.mesh_body import MeshBody
 from maggi.bodies.mesh_inertia import InertiaForces
 from maggi.bodies.tables import BodyTable, MotionState
-from maggi.elements.products import Product
+from maggi.elements.products import NONE, Product
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.vectors import cross
 
@@ -41,7 +41,8 @@ class Passes:
     """What is done on the fields of a step again and again.
 
     inertia: its forces at the end of the step, into `force`. momentum: M u̇ there, into scratch. product: K's with what is
-    strained there, added to `force`; squared: the same, with u̇ᵀK u̇ at the beginning.
+    strained there, added to `force`; squared: the same, with u̇ᵀK u̇ at the beginning. energy: K u at the beginning, added to
+    scratch, with u̇ᵀK u̇ where damping asks for it.
     """
 
     step: NodalStep
@@ -49,6 +50,7 @@ class Passes:
     momentum: InertiaForces
     product: Product
     squared: Product
+    energy: Product
 
 
 class MeshStep:
@@ -88,7 +90,8 @@ class MeshStep:
         self._frame = np.zeros(6)
         self._drive = np.zeros((3, 3))
         self._scratch = np.zeros(size) if body.damping.mass or body.damping.stiffness else self.force
-        self._dissipation: float | None = None  # at the present, where it is known
+        self._strain: float | None = None  # at the present, where it is known
+        self._dissipation: float | None = None  # the same
         self.threaded = body.size >= THREADED
         self.constants = Condensation.none(body)
         self._linear, self._forces = np.zeros(1), np.zeros((3, width - 6))
@@ -138,6 +141,7 @@ class MeshStep:
             inertia.forces(ud, ud, ud, self._scratch),
             stiffness.product(strained, self.force),
             stiffness.product(strained, self.force, now[1]),
+            stiffness.product(now[0], self._scratch, now[1] if self.body.damping.stiffness else NONE),
         )
 
     # constants of a step size
@@ -246,7 +250,7 @@ class MeshStep:
         self.udd, self.udd_next = self.udd_next, self.udd
         self.a, self.a_next = self.a_next, self.a
         self._present = 1 - self._present
-        self._dissipation = None
+        self._strain = self._dissipation = None
 
     def settle(self) -> None:
         """Project u and u̇ on the mean axes again: round-off lets Cᵀu drift."""
@@ -274,12 +278,19 @@ class MeshStep:
     def dissipation(self) -> float:
         """Power (W) that the body's damping takes now; costs a product with K unless a residual has been evaluated since."""
         if self._dissipation is None:
-            self._dissipation = self._mass_dissipation()
             if self.body.damping.stiffness:
-                self._scratch[:] = 0.0
-                self.body.K.add_product(self.ud, self._scratch)
-                self._dissipation += self.body.damping.stiffness * inner_product(self.ud, self._scratch)
+                self._read_stiffness()
+            else:
+                self._dissipation = self._mass_dissipation()
+        assert self._dissipation is not None
         return self._dissipation
+
+    def _read_stiffness(self) -> None:
+        """Strain energy and dissipation of the present, while K is read once."""
+        self._scratch[:] = 0.0
+        square = self._ahead.energy.add()
+        self._strain = 0.5 * inner_product(self.u, self._scratch)
+        self._dissipation = self.body.damping.stiffness * square + self._mass_dissipation()
 
     def _mass_dissipation(self) -> float:
         if not self.body.damping.mass:
@@ -292,10 +303,10 @@ class MeshStep:
         o = self._offset
         inertia = self.body.inertia
         kinetic = inertia.kinetic_energy(motion.v[o : o + 3], motion.v[o + 3 : o + 6], self.u, self.ud)
-        self._scratch[:] = 0.0
-        self.body.K.add_product(self.u, self._scratch)
-        strain = 0.5 * inner_product(self.u, self._scratch)
-        S, _ = inertia.frame_inertia(self.u)
+        if self._strain is None:
+            self._read_stiffness()
+        assert self._strain is not None
+        S = inertia.S0 + self.body.C[:, :3].T @ self.u
         b = self.index
         position = inertia.mass * motion.origin[b] + motion.rotation[b] @ S
-        return kinetic, strain, -float(gravity @ position)
+        return kinetic, self._strain, -float(gravity @ position)
