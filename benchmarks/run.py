@@ -43,6 +43,7 @@ CASES = (
     Case("full_mesh"),
     Case("many_bodies"),
     Case("full_mesh_peer"),
+    Case("rows"),
     Case("startup"),
     Case("setup_costs"),
     Case("adaptive"),

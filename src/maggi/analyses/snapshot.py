@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import accumulate
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -116,26 +117,23 @@ class Snapshots:
         self.shared: dict[str, None] = {}  # joints whose forces were not unique at some row, in order
         self._meshes: dict[int, MeshStep] = {mesh.index: mesh for mesh in run.meshes}
         self._shares = _shares(system, self._liaisons)
-        self._coordinates = [entry.coordinates for entry in self._liaisons]
+        bodies = system.bodies
+        self._modal = [
+            slice(int(bodies.offset[b]) + 6, int(bodies.offset[b + 1])) for b in self._indices if bodies.kind[b] == RITZ
+        ]
+        self._visible_meshes = [self._meshes[int(b)] for b in self._indices if bodies.kind[b] == MESH]
+        counts = [len(entry.coordinates) for entry in self._liaisons]
+        self._coordinates = np.array([c for entry in self._liaisons for c in entry.coordinates], dtype=np.int64)
+        self._of_liaison = [slice(end - count, end) for count, end in zip(counts, accumulate(counts), strict=True)]
 
     def row(self, t: float) -> Row:
         """The present state at time t."""
-        run, system = self._run, self._run.system
+        run = self._run
         state = run.state
         motion, at = state.now, state.attachments
         force, torque, unique = self._joint_forces()
         self.shared |= {entry.name: None for entry, sure in zip(self._liaisons, unique, strict=True) if not sure}
-        bodies = system.bodies
-        modal = tuple(
-            motion.e[bodies.offset[b] + 6 : bodies.offset[b + 1]].copy()
-            for b in self._indices
-            if bodies.kind[b] == RITZ
-        )
-        displacement = tuple(
-            self._meshes[int(b)].body.nodal_displacement(self._meshes[int(b)].u)
-            for b in self._indices
-            if bodies.kind[b] == MESH
-        )
+        coordinate = state.rows.coordinate[self._coordinates, 0]
         chosen = self._attachments
         return Row(
             t,
@@ -145,13 +143,13 @@ class Snapshots:
             at.rotation[chosen],
             at.velocity[chosen],
             at.angular_velocity[chosen],
-            displacement,
-            modal,
+            tuple(mesh.body.nodal_displacement(mesh.u) for mesh in self._visible_meshes),
+            tuple(motion.e[part].copy() for part in self._modal),
             at.position[self._seconds],
             force,
             torque,
             unique,
-            tuple(state.rows.coordinate[chosen, 0] for chosen in self._coordinates),
+            tuple(coordinate[part] for part in self._of_liaison),
             self.energies(),
             run.residuals(),
             run.last_iterations,
