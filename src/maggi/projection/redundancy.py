@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from maggi.bodies.tables import BodyTable
 from maggi.liaisons.tables import ROW_ANGULAR, LiaisonTable
 from maggi.linalg.compiling import inner_kernel, kernel
+from maggi.linalg.small import add_multiple, inner
 
 from .range_space import assemble_compliance, factorise, solve
 
@@ -30,9 +31,9 @@ def left_null_space(
     active (r,): rows that a singular position has made dependent. size (m): what makes forces of moments.
     """
     r = len(liaisons.row)
-    L, pivot, scale, Z = np.zeros(int(liaisons.skyline_start[-1])), np.zeros(r), np.zeros(r), np.zeros((r, r))
+    L, pivot, scale, Zt = np.zeros(int(liaisons.skyline_start[-1])), np.zeros(r), np.zeros(r), np.empty((r, r))
     weight = _weights(liaisons, size)
-    return Z[:, : _null_space(liaisons, bodies, A, metric, active, weight, L, pivot, scale, Z)]
+    return Zt[: _null_space(liaisons, bodies, A, metric, active, weight, L, pivot, scale, Zt)].T
 
 
 @kernel
@@ -46,49 +47,43 @@ def _null_space(
     L: Array,
     pivot: Array,
     scale: Array,
-    Z: Array,
+    Zt: Array,
 ) -> int:
-    """`left_null_space` into the first columns of Z (r, r); how many they are."""
+    """`left_null_space` into the first rows of Zt (r, r); how many they are."""
     first, start = liaisons.skyline_first, liaisons.skyline_start
     r = pivot.shape[0]
     assemble_compliance(liaisons, bodies, A, metric, L)
     matrix = L.copy()
     factorise(first, start, L, pivot, scale, active)
-    column = np.empty(r)
     count = 0
     for d in range(r):
         if pivot[d] != 0.0:
             continue
         # a dependent row less what the independent ones make of it: Λ_II x = Λ_Id
+        row = Zt[count]
         for i in range(r):
             low, high = min(i, d), max(i, d)
             inside = pivot[i] != 0.0 and low >= first[high]
-            column[i] = matrix[start[high] + low - first[high]] if inside else 0.0
-        solve(first, start, L, pivot, column)
+            row[i] = -matrix[start[high] + low - first[high]] if inside else 0.0
+        solve(first, start, L, pivot, row)
+        row[d] = 1.0
         for i in range(r):
-            Z[i, count] = -column[i] * weight[i]
-        Z[d, count] = weight[d]
-        orthonormalise(Z, count)
+            row[i] *= weight[i]
+        _orthonormalise(Zt, count)
         count += 1
     return count
 
 
 @inner_kernel
-def orthonormalise(Z: Array, last: int) -> None:
-    """Make column `last` of Z (r, n) orthogonal to those before it, twice, since once leaves round-off, and of length one."""
-    r = Z.shape[0]
+def _orthonormalise(Zt: Array, last: int) -> None:
+    """Make row `last` orthogonal to those before it, twice, since once leaves round-off, and of length one."""
+    row = Zt[last]
     for _ in range(2):
         for k in range(last):
-            product = 0.0
-            for i in range(r):
-                product += Z[i, k] * Z[i, last]
-            for i in range(r):
-                Z[i, last] -= product * Z[i, k]
-    length = 0.0
-    for i in range(r):
-        length += Z[i, last] * Z[i, last]
-    for i in range(r):
-        Z[i, last] /= math.sqrt(length)
+            add_multiple(-inner(Zt[k], row), Zt[k], row)
+    length = math.sqrt(inner(row, row))
+    for i in range(row.shape[0]):
+        row[i] /= length
 
 
 def least_norm(liaisons: LiaisonTable, Z: Array, multipliers: Array, size: float) -> tuple[Array, NDArray[np.bool_]]:
