@@ -17,7 +17,7 @@ from maggi.linalg.table import Table
 
 PACKAGE = Path(maggi.__file__).parent
 INNER = {"inner_kernel", "inner_pass"}
-COMPILED = {*INNER, "kernel", "njit", "Link", "SharedPass"}
+COMPILED = {*INNER, "kernel", "part_kernel", "njit", "Link", "SharedPass"}
 
 
 def decorators(function: ast.FunctionDef) -> set[str]:

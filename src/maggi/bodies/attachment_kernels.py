@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from maggi.linalg.compiling import inner_kernel, kernel
 from maggi.linalg.rotations import exp_se3_update, exp_so3, left_tangent, left_tangent_rates
 
@@ -124,7 +122,7 @@ def _elastic_motion(table: BodyTable, a: int, first: int, n: int, state: MotionS
         out[12 + i] = xdd
 
 
-@njit(cache=True)
+@kernel
 def generalised_force(
     table: BodyTable,
     state: MotionState,
@@ -178,7 +176,7 @@ def generalised_force(
             )
 
 
-@njit(cache=True)
+@kernel
 def move(bodies: BodyTable, now: MotionState, increment: Array, out: MotionState) -> None:
     """q₁ = q₀ ∘ exp(Δq): frames on SE(3), elastic coordinates additively."""
     for b in range(bodies.kind.shape[0]):

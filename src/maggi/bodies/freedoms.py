@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numba import njit
 from numpy.typing import NDArray
+
+from maggi.linalg.compiling import kernel
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -107,7 +108,7 @@ class Freedoms:
         return sp.bsr_matrix((blocks, indices, indptr), shape=(self.size, self.size))
 
 
-@njit(cache=True)
+@kernel
 def _expand(node_block, tied, master, arm, x, out):  # type: ignore[no-untyped-def]
     for n in range(node_block.size):
         b = node_block[n]
@@ -122,7 +123,7 @@ def _expand(node_block, tied, master, arm, x, out):  # type: ignore[no-untyped-d
         out[tied[k], 2] = x[b, 2] + t0 * arm[k, 1] - t1 * arm[k, 0]
 
 
-@njit(cache=True)
+@kernel
 def _reduce(node_block, tied, master, arm, force, out):  # type: ignore[no-untyped-def]
     for n in range(node_block.size):
         b = node_block[n]
@@ -143,7 +144,7 @@ def _reduce(node_block, tied, master, arm, force, out):  # type: ignore[no-untyp
         out[b + 1, 2] += arm[k, 0] * y - arm[k, 1] * x
 
 
-@njit(cache=True)
+@kernel
 def _reduced(indptr, indices, data, node_block, number, attachment, arm, size, free):  # type: ignore[no-untyped-def]
     """The rows of Tᵀ A T: free nodes keep their blocks; those of a tied node go to its attachment's two by [I, −ã]."""
     count = (size - free) // 2

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from maggi.linalg.compiling import kernel
 from maggi.linalg.shared import SharedPass, inner_pass
 from maggi.linalg.table import Table
 
@@ -47,7 +47,7 @@ class NodalForces(Table):
     wrenches: Array
 
 
-@njit(cache=True)
+@kernel
 def three_times(indptr, indices, data):  # type: ignore[no-untyped-def]
     """μ ⊗ I₃ as CSR arrays."""
     n = indptr.size - 1

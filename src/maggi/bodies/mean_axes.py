@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from maggi.linalg.compiling import kernel
 
 Array = NDArray[np.float64]
 
@@ -61,7 +62,7 @@ class MeanAxes:
         )
 
 
-@njit(cache=True)
+@kernel
 def _subtract(scale, arm, rest, out_scale, out_arm, out_rest, inverse, x):  # type: ignore[no-untyped-def]
     """``x −= A J⁻¹ Bᵀ x`` for B of scale, arm, rest and A of out_scale, out_arm, out_rest; x (b, 3)."""
     first = scale.size

@@ -7,15 +7,16 @@ See `linalg.threads`.
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from maggi.linalg.compiling import inner_kernel, part_kernel
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@inner_kernel
 def _jacobian(nodes: Array, cell: IntArray, gradients: Array, J: Array) -> float:
     """``J_ij = ∂x_i/∂ξ_j`` at one point, gradients (3, k); returns det J."""
     for i in range(3):
@@ -32,7 +33,7 @@ def _jacobian(nodes: Array, cell: IntArray, gradients: Array, J: Array) -> float
     return det
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@part_kernel
 def masses(
     part: int,
     parts: int,
@@ -68,7 +69,7 @@ def masses(
                 p += 1
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@part_kernel
 def stiffnesses(
     part: int,
     parts: int,
@@ -131,7 +132,7 @@ def stiffnesses(
                         out[c - base, a, b, 3 * i + j] = value + trace if i == j else value
 
 
-@numba.njit(cache=True, nogil=True)
+@part_kernel
 def add_cells(
     part: int, parts: int, base: int, top: int, cells: IntArray, slots: IntArray, matrices: Array, data: Array
 ) -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from maggi.linalg.compiling import part_kernel
 from maggi.linalg.threads import in_parts
 from maggi.model.errors import MeshError
 
@@ -71,7 +71,7 @@ def _pattern(node_count: int, starts: IntArray, members: IntArray) -> tuple[IntA
     return indptr, indices
 
 
-@numba.njit(cache=True, nogil=True)
+@part_kernel
 def _find_neighbours(
     part: int,
     parts: int,
@@ -108,7 +108,7 @@ def _find_neighbours(
             indptr[n + 1] = count
 
 
-@numba.njit(cache=True, nogil=True)
+@part_kernel
 def _find_slots(part: int, parts: int, cells: IntArray, indptr: IntArray, indices: IntArray, slots: IntArray) -> None:
     """Place of every cell entry (a, b) in the pattern, by bisection in the sorted rows."""
     count, width = cells.shape

@@ -11,11 +11,11 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-import numba
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from maggi.linalg.compiling import kernel
 from maggi.linalg.shared import SharedPass, inner_pass
 from maggi.linalg.table import Table
 
@@ -107,7 +107,7 @@ class Product(Table):
         return math.fsum(self.K.squares)
 
 
-@numba.njit(cache=True)
+@kernel
 def _upper_triangle(indptr: IntArray, indices: IntArray, blocks: Array) -> tuple[IntArray, IntArray, Array]:
     n = indptr.size - 1
     first = np.empty(n + 1, np.int32)

@@ -20,6 +20,12 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     return compiled
 
 
+def part_kernel(function: Callable[P, R]) -> Callable[P, R]:
+    """One for `threads.in_parts`, which runs without Python's lock."""
+    compiled: Callable[P, R] = _njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True)(function)
+    return compiled
+
+
 def inner_kernel(function: Callable[P, R]) -> Callable[P, R]:
     """One that only compiled functions call: without an entry for Python either, which takes a twelfth."""
     options = {"no_cfunc_wrapper": True, "no_cpython_wrapper": True}

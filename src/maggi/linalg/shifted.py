@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sp
-from numba import njit
 from numpy.typing import NDArray
 
+from .compiling import kernel
 from .factor import Factor, Pattern
 
 Array = NDArray[np.float64]
@@ -44,7 +44,7 @@ class ShiftedFactors:
         return triangle
 
 
-@njit(cache=True)
+@kernel
 def _upper_sum(indptr, indices, blocks, k2, m_indptr, m_indices, m_data, k1):  # type: ignore[no-untyped-def]
     """CSR arrays of the upper triangle, the diagonal first; the last of indptr is −1 if M does not fit."""
     n = indptr.size - 1

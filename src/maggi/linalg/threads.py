@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 def in_parts(kernel: Callable[..., None], *arguments: Any) -> None:
     """``kernel(part, parts, *arguments)`` for every part, one for each of numba's threads.
 
-    The kernel is compiled with ``nogil=True``; what it writes must not depend on the number of parts.
+    The kernel is a `compiling.part_kernel`; what it writes must not depend on the number of parts.
     """
     parts = int(numba.get_num_threads())
     if parts == 1:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
+from maggi.linalg.compiling import kernel
 from maggi.linalg.shared import SharedPass, inner_pass
 from maggi.linalg.table import Table
 
@@ -158,7 +158,7 @@ def _largest(x: Array) -> float:
     return largest
 
 
-@njit(cache=True)
+@kernel
 def inner_product(x: Array, y: Array) -> float:
     """x · y, in one order: BLAS would share it among its threads."""
     total = 0.0
@@ -167,7 +167,7 @@ def inner_product(x: Array, y: Array) -> float:
     return total
 
 
-@njit(cache=True)
+@kernel
 def attachment_values(indptr: Array, indices: Array, values: Array, factor: float, x: Array, out: Array) -> None:
     """``out = factor Bᵀ x``; B (nd, 6k) by columns: indptr, indices, values."""
     for j in range(out.size):
@@ -177,7 +177,7 @@ def attachment_values(indptr: Array, indices: Array, values: Array, factor: floa
         out[j] = factor * total
 
 
-@njit(cache=True)
+@kernel
 def distance(x: Array, y: Array) -> float:
     """|x − y|, in one order."""
     total = 0.0
@@ -186,7 +186,7 @@ def distance(x: Array, y: Array) -> float:
     return float(np.sqrt(total))
 
 
-@njit(cache=True)
+@kernel
 def frame_compliance(sigma: float, mass: float, S: Array, J: Array, out: Array) -> None:
     """``(σ J₆)⁻¹``, J₆ = [[m I, −S̃], [S̃, J]], into out (6, 6): by the inertia about the centre of mass, s = S/m."""
     s0, s1, s2 = S[0] / mass, S[1] / mass, S[2] / mass
