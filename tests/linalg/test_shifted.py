@@ -82,6 +82,26 @@ def test_singular_and_infinite_sums_are_refused():
     factors.factorise(1.0, lambda: M, 1.0)  # and it goes on
 
 
+def test_superlu_takes_over_only_what_may_need_pivots_from_off_the_diagonal(monkeypatch):
+    rng = np.random.default_rng(5)
+    K, pattern = blocks(rng, 6)
+    M = mass(rng, pattern)
+    factors = ShiftedFactors(*triangle(K, pattern))
+
+    def refuse(order, handle):
+        raise SingularMatrixError("refused")
+
+    monkeypatch.setattr(module, "RslabFactor", refuse)
+    with pytest.raises(SingularMatrixError, match="refused"):
+        factors.factorise(1.0, lambda: M, 1.0)
+    shift = 2.0 * float((K.diagonal() / M.diagonal()).min())  # past the first entry of the diagonal
+    S = K - shift * M.toarray()
+    assert S.diagonal().min() < 0.0
+    x = rng.normal(size=len(K))
+    found = factors.factorise(-shift, lambda: M, 1.0).solve(S @ x)
+    np.testing.assert_allclose(found, x, rtol=0, atol=1e-12 * np.linalg.cond(S) * np.abs(x).max())
+
+
 def test_a_mass_that_does_not_fit_is_refused():
     rng = np.random.default_rng(1)
     pattern = np.eye(3, dtype=bool)

@@ -54,7 +54,11 @@ def test_dissipated_energy_is_the_trapezoidal_sum_of_powers(damping: Damping) ->
 @pytest.mark.parametrize("damping", [*DAMPING, Damping()], ids=["stiffness", "mass", "both", "none"])
 def test_energies_are_those_of_dense_matrices(damping: Damping) -> None:
     stepper = falling_bar(damping)
-    assert stepper.advance(0.0, STEPS) == STEPS
+    assert stepper.advance(0.0, 1) == 1
+    stepper.meshes[0].energies(
+        stepper.state.now, stepper.system.forces.gravity
+    )  # what is kept of an instant ends with it
+    assert stepper.advance(STEP, STEPS - 1) == STEPS - 1
     mesh, now = stepper.meshes[0], stepper.state.now
     body, first = mesh.body, int(stepper.system.bodies.offset[mesh.index])
     K = body.K.matrix()
@@ -82,7 +86,7 @@ def test_dissipated_energy_does_not_depend_on_how_a_run_is_split(damping: Dampin
         assert split.advance(first * STEP, count) == count
         assert split.dissipated() == split.dissipated() > 0.0
     np.testing.assert_array_equal(whole.meshes[0].ud, split.meshes[0].ud)
-    assert whole.dissipated() == pytest.approx(split.dissipated(), rel=1e-12, abs=0)
+    assert whole.dissipated() == split.dissipated()
     assert whole.dissipated() > 0.0
 
 
