@@ -9,7 +9,7 @@ from scipy import sparse
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from maggi.linalg import factor as module
-from maggi.linalg.factor import RslabFactor, SingularMatrixError, SuperLUFactor, factorise
+from maggi.linalg.factor import WIDTH, RslabFactor, SingularMatrixError, SuperLUFactor, factorise
 
 BACKENDS = ("rslab", "superlu")
 
@@ -64,6 +64,14 @@ def saddle_point(rng, n):
     m = max(1, n // 3)
     C = np.hstack([np.eye(m), rng.standard_normal((m, n - m))])
     return np.block([[definite(rng, n), C.T], [C, np.zeros((m, m))]])
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("columns", [WIDTH - 1, WIDTH, WIDTH + 1, 2 * WIDTH + 5])
+def test_any_number_of_right_sides(backend, clamped, columns):
+    factor = factorise(clamped, backend)
+    X = np.random.default_rng(7).standard_normal((clamped.shape[0], columns))
+    np.testing.assert_allclose(factor.solve_many(clamped @ X), X, atol=1e-8)
 
 
 @pytest.mark.parametrize(

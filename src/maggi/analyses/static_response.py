@@ -27,7 +27,10 @@ class StaticResponse:
         self._body = body
         shift = REGULARISATION * body.K.diagonal().max() / body.inertia.matrix.diagonal().max()
         self._factor = shared.factorise(float(shift), 1.0)
-        self.Y = self.displacements(body.B.toarray().T)
+        n = body.B.shape[1]
+        self.Y = np.empty((n, body.size))
+        for k in range(0, n, 6):  # by attachments, as in `Condensations`
+            self.Y[k : k + 6] = self.displacements(body.B[:, k : k + 6].toarray().T)
         W = body.B.T @ self.Y.T
         self.W = 0.5 * (W + W.T)
 

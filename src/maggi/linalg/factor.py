@@ -8,7 +8,6 @@ there SuperLU exchanges rows.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
@@ -19,10 +18,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
-# rslab's allocator keeps what it has freed for a second, a sixth of a factor on top of it, and takes in advance what it may
-# not need; a solve asks again for what the last one freed, though. In milliseconds; read when it is loaded.
-os.environ.setdefault("MIMALLOC_PURGE_DELAY", "10")
-os.environ.setdefault("MIMALLOC_ARENA_EAGER_COMMIT", "0")
+from .allocators import give_back  # before rslab is loaded
+
 try:
     import rslab
 except ImportError:  # no wheel for this platform
@@ -35,6 +32,9 @@ Backend = Literal["auto", "rslab", "superlu"]
 # bodies have a tree that is a chain, along which one core works.
 DISSECTION_ORDER = 8_000
 LEAF = 50  # unknowns that the dissection leaves together
+WIDTH = (
+    24  # right sides that are solved at once: with more, the memory that a solve takes grows faster than its time falls
+)
 # A known solution is found again to about 1e-16 times the condition number; with less than three digits left, the
 # factor is of no use.
 PROBE_TOLERANCE = 1e-3
@@ -80,7 +80,13 @@ class RslabFactor:
 
     def solve_many(self, B: Array) -> Array:
         """See `Factor.solve_many`."""
-        return np.asarray(self._handle.solve_many(np.asfortranarray(B)), dtype=np.float64)
+        n, k = B.shape
+        if k <= WIDTH:
+            return np.asarray(self._handle.solve_many(np.asfortranarray(B)), dtype=np.float64)
+        X = np.empty((n, k))
+        for first in range(0, k, WIDTH):
+            X[:, first : first + WIDTH] = self._handle.solve_many(np.asfortranarray(B[:, first : first + WIDTH]))
+        return X
 
 
 class SuperLUFactor:
@@ -143,7 +149,7 @@ def factorise(matrix: Any, backend: Backend = "auto") -> Factor:
     try:
         if backend == "superlu" or rslab is None:
             return probe.passed(SuperLUFactor(csc))
-        return probe.passed(RslabFactor(rows, lambda: rslab.ldlt(csc, **_settings(rows))))
+        return probe.passed(RslabFactor(rows, lambda: rslab.ldlt(csc, **settings(rows))))
     except SingularMatrixError:
         # Of a definite matrix this is the last word. Others may only have needed pivots from off the diagonal.
         if backend == "rslab" or diagonal.min() > 0.0:
@@ -169,7 +175,7 @@ class Pattern:
         diagonal = triangle.data[triangle.indptr[:-1]]
         probe = Probe(diagonal, lambda x: np.asarray(triangle @ x + triangle.T @ x - diagonal * x))
         if self._analysis is None and rslab is not None:
-            self._analysis = rslab.analyze(triangle, path="ldlt", **_settings(triangle.shape[0]))
+            self._analysis = rslab.analyze(triangle, path="ldlt", **settings(triangle.shape[0]))
         may_fail = self._analysis is None or diagonal.min() <= 0.0
         return Prepared(self._analysis, triangle.data, probe, triangle if may_fail else None)
 
@@ -186,6 +192,7 @@ class Prepared:
     def factorise(self) -> Factor:
         """Raises SingularMatrixError as the function `factorise` does."""
         if self.analysis is not None:
+            give_back()
             try:
                 return self.probe.passed(RslabFactor(self.probe.order, lambda: self.analysis.factor(self.values)))
             except SingularMatrixError:
@@ -220,7 +227,8 @@ class Probe:
         return factor
 
 
-def _settings(order: int) -> dict[str, Any]:
+def settings(order: int) -> dict[str, Any]:
+    """rslab's settings for a matrix of this order."""
     if order < DISSECTION_ORDER:
         return {}
     # the library's own choice is four threads, on whatever cores there are: each holds what it works on

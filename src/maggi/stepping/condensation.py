@@ -109,35 +109,32 @@ class Condensations:
         return c.sigma + c.gamma * c.h * d.mass, c.beta * c.h**2 + c.gamma * c.h * d.stiffness
 
     def _condense(self, factor: Factor, k1: float, k2: float) -> Condensation:
+        """Attachment by attachment: what works on all columns at once would take memory on top of the factor's."""
         body, d = self._body, self._body.damping
         n = body.B.shape[1]
-        if n == 0:
-            return Condensation(factor, np.empty((0, 12, body.size)), *np.zeros((3, 0, 0)))
         responses = np.zeros((n // 6, 12, body.size))
-        Y = self._response(factor, body.B.toarray())
-        _put(Y, responses, 0)
-        W = body.B.T @ Y.T
+        W, W_Z = np.zeros((2, n, n))
+        for k, response in enumerate(responses):
+            columns = slice(6 * k, 6 * k + 6)
+            forces = body.B[:, columns].T.toarray()
+            response[:6] = self._response(factor, forces)
+            W[:, columns] = body.B.T @ response[:6].T
+            if k2 == 0.0:
+                continue
+            forces[:] = 0.0
+            for displacements, force in zip(response[:6], forces, strict=True):
+                body.K.add_product(displacements, force)
+            response[6:] = self._response(factor, forces)
+            W_Z[:, columns] = body.B.T @ response[6:].T
         W = 0.5 * (W + W.T)
-        if k2 == 0.0:
-            return Condensation(factor, responses, W, *np.zeros((2, n, n)))
-        strained = np.zeros_like(Y)
-        for row, force in zip(Y, strained, strict=True):
-            body.K.add_product(row, force)
-        Z = self._response(factor, strained.T)
-        _put(Z, responses, 1)
-        W_Z = body.B.T @ Z.T
         # D = mass M + stiffness K on mean axes, and M = (Ŝ − k₂K)/k₁
-        damping = d.mass / k1, d.stiffness - d.mass * k2 / k1
-        return Condensation(factor, responses, W, W_Z, damping[0] * W + damping[1] * W_Z, damping)
+        y, z = (d.mass / k1, d.stiffness - d.mass * k2 / k1) if k2 else (0.0, 0.0)
+        return Condensation(factor, responses, W, W_Z, y * W + z * W_Z, (y, z))
 
     def _response(self, factor: Factor, forces: Array) -> Array:
-        """P Ŝ⁻¹ forces, for forces (nd, n); a row for every one of them."""
-        rows = np.ascontiguousarray(factor.solve_many(forces).T)
+        """P Ŝ⁻¹ of forces (6, nd), a row each; (6, nd)."""
+        rows = np.ascontiguousarray(factor.solve_many(forces.T).T)
         if self._body.floating:
             for row in rows:
                 self._body.axes.project(row)
         return rows
-
-
-def _put(rows: Array, responses: Array, which: int) -> None:
-    responses[:, 6 * which : 6 * which + 6] = rows.reshape(len(responses), 6, -1)
