@@ -83,7 +83,7 @@ def simulate(
         product.append(each(chunk, once.add))
         limit.append(each(chunk, least))
         path.append(ours.position(*case.point))
-        residuals = np.maximum(residuals, ours.stepper.residuals())
+        residuals = np.maximum(residuals, ours.stepper.state.residuals)
     substitutions = (counts.back_substitutions - counted) / (chunks * chunk)
     return Outcome(
         mesh.body.size, *(np.array(x) for x in (step, solve, product, limit)), substitutions, residuals, np.array(path)

@@ -113,8 +113,13 @@ def _rows():
 def test_a_failed_run_says_so_in_its_file(swing, tmp_path, monkeypatch):
     from maggi.analyses.snapshot import Snapshots
 
-    whole = Snapshots.row
-    monkeypatch.setattr(Snapshots, "row", lambda self, t: whole(self, t) if t < 0.01 else 1 / 0)
+    whole = Snapshots.rows
+    monkeypatch.setattr("maggi.stepping.stepper.MOST_KEPT", 9)
+    monkeypatch.setattr(
+        Snapshots,
+        "rows",
+        lambda self, step: rows if (rows := whole(self, step)).time.max(initial=0.0) < 0.01 else 1 / 0,
+    )
     with pytest.raises(ZeroDivisionError):
         maggi.run(maggi.load(swing), tmp_path / "run.h5")
     with maggi.open(tmp_path / "run.h5") as results:

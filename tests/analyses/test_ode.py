@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import maggi
 from maggi.analyses.ode import Ode
-from maggi.bodies.small_bodies import small_body_energy
+from maggi.bodies.small_bodies import SmallBodyEnergies
 from maggi.model import End, Model, ModelError, PointLoad, RigidBody, SimulationError, expression
 from maggi.system.build import build_system
 from maggi.system.dense import dense_rows
@@ -19,7 +19,9 @@ STRATEGIES = ("lu", "qr", "svd", "tree")
 
 def energy(equations, state):
     """Kinetic and gravity energy (J)."""
-    energies = small_body_energy(equations.system.bodies, state, equations.system.forces.gravity)
+    system = equations.system
+    at = state.origin[None], state.rotation[None], state.e[None], state.v[None]
+    energies = SmallBodyEnergies(system.bodies, system.forces.gravity).at(*at)[0]
     return energies[0] + energies[2]
 
 

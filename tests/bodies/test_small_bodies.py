@@ -7,7 +7,7 @@ import pytest
 from motions import Motion, derivative, rigid_body, ritz_body
 
 from maggi.bodies.ritz_kernels import deformed_inertia, inertia_residual, mass_matrix
-from maggi.bodies.small_bodies import body_mass, body_residual, small_body_energy
+from maggi.bodies.small_bodies import SmallBodyEnergies, body_mass, body_residual
 from maggi.elements.moving_frame import FrameMotion, InertiaConstants, frame_resultants, maggi_vector
 from maggi.model.model import Model
 from maggi.system.build import build_system
@@ -115,10 +115,11 @@ def test_deformed_inertia(system, b):
 
 def test_power_of_the_residual_is_the_rate_of_the_energy(system):
     """residual · v = d/dt (kinetic + strain + gravity) + dissipation, along a motion (a theorem, no formula repeated)."""
-    motion = Motion(system, 8)
+    motion, energies = Motion(system, 8), SmallBodyEnergies(system.bodies, GRAVITY)
 
     def energy(t):
-        return small_body_energy(system.bodies, motion.state(t), GRAVITY)
+        state = motion.state(t)
+        return energies.at(state.origin[None], state.rotation[None], state.e[None], state.v[None])[0]
 
     state = motion.state()
     power = sum(

@@ -6,7 +6,7 @@ from linkages import four_bar, random_mechanism
 from motions import rows_at
 
 from maggi.liaisons.tables import ROW_ANGULAR
-from maggi.projection.redundancy import least_norm, left_null_space
+from maggi.projection.redundancy import least_norm
 from maggi.stepping.allocate import geometric_metric
 from maggi.system.build import build_system
 from maggi.system.dense import dense_rows
@@ -26,11 +26,15 @@ def test_least_norm_is_that_of_least_squares(name):
     A = dense_rows(system, system.start, 0.0).A
     weight = np.where(system.liaisons.row[:, ROW_ANGULAR] == 1, 1.0 / system.size, 1.0)
     given = np.random.default_rng(1).normal(size=system.rows)
-    active = np.ones(system.rows, dtype=np.int64)
     flat = rows_at(system, system.start, 0.0).A
-    Z = left_null_space(system.liaisons, system.bodies, flat, geometric_metric(system), active, system.size)
-    assert Z.shape[1] == system.rows - np.linalg.matrix_rank(A)
-    found, unique = least_norm(system.liaisons, Z, given, system.size)
+    # twice the same instant, with other forces the second time
+    states, active = np.array([flat, flat]), np.ones((2, system.rows), dtype=np.int64)
+    forces, metric = np.array([given, -2.0 * given]), geometric_metric(system)
+    both, sure = least_norm(system.liaisons, system.bodies, states, metric, active, forces, system.size)
+    found, unique = both[0], sure[0]
+    np.testing.assert_allclose(both[1], -2.0 * found, atol=1e-13 * np.abs(found).max())
+    assert (sure[1] == unique).all()
+    assert forces[0] is not found and (forces[0] == given).all()
     np.testing.assert_allclose(A.T @ found, A.T @ given, atol=1e-11)
     expected = np.linalg.lstsq((A / weight[:, None]).T, A.T @ given, rcond=1e-10)[0] / weight
     np.testing.assert_allclose(found, expected, atol=1e-10 * np.abs(expected).max())

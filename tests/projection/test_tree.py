@@ -15,7 +15,7 @@ from maggi.projection.closures import (
 from maggi.projection.relative_motion import relative_motion
 from maggi.projection.relative_system import relative_system
 from maggi.projection.tree_kernels import closure_columns, inwards, outwards, tree_factor
-from maggi.stepping.allocate import new_instant, new_state, new_work, small_system
+from maggi.stepping.allocate import new_instant, new_record, new_state, new_work, small_system
 from maggi.stepping.evaluation import evaluate
 from maggi.stepping.instant_kernels import show
 from maggi.stepping.linking import link
@@ -50,7 +50,7 @@ class Case:
         instant = new_instant(system, 1.0, 1.0)
         self.state = new_state(system, self.relative, instant)
         self.work = new_work(system, self.relative)
-        link(self.small, self.state, self.work, instant, lambda text: None)
+        link(self.small, self.state, self.work, instant, new_record(instant, 1), lambda text: None)
         vectors = self.state.vectors
         relative_motion(self.relative, motion, self.state.joints, self.state.accepted, vectors.nu, vectors.nud)
         vectors.nu_next[:], vectors.nud_next[:] = vectors.nu, vectors.nud
@@ -78,7 +78,7 @@ def test_every_rigid_body_is_carried_once(case):
 def test_motion_survives_the_way_there_and_back(case):
     """Positions, velocities and accelerations in the frames of the model, from the tree's joints alone."""
     shown = new_instant(case.system, 1.0, 1.0)
-    show(case.small, 0.0, case.state, case.work, shown)
+    show(case.small, case.state, case.work, shown, 0.0)
     for name in ("origin", "rotation", "v", "vd"):
         expected = getattr(case.motion, name)
         np.testing.assert_allclose(

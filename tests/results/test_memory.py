@@ -19,7 +19,7 @@ def test_results_of_an_interrupted_run():
     recorder = MemoryRecorder()
     recorder.begin(fake_runs.layout(1000))
     for one in list(fake_runs.rows(1000))[:5]:
-        recorder.write(one)
+        recorder.write(one.rows())
     recorder.end("interrupted")
     results = recorder.results()
     assert results.status == "interrupted"
@@ -29,8 +29,8 @@ def test_results_of_an_interrupted_run():
 def test_nan_is_refused():
     recorder = MemoryRecorder()
     recorder.begin(fake_runs.layout(3))
-    recorder.write(fake_runs.row(0.0))
-    recorder.write(replace(fake_runs.row(0.1), energy=np.full(5, np.nan)))
+    recorder.write(fake_runs.row(0.0).rows())
+    recorder.write(replace(fake_runs.row(0.1), energy=np.full(5, np.nan)).rows())
     with pytest.raises(SimulationError, match=r"energy/kinetic .* t = 0.1 s"):
         recorder.end("complete")
     assert len(recorder.results().time) == 1

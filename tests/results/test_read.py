@@ -176,7 +176,7 @@ def test_reading_while_a_run_writes(tmp_path):
     path = tmp_path / "run.h5"
     recorder = FileRecorder(path)
     recorder.begin(fake_runs.layout(4))
-    recorder.write(fake_runs.row(0.0))
+    recorder.write(fake_runs.row(0.0).rows())
     script = f"from maggi.results.read import read; read({str(path)!r})"
     environment = {**os.environ, "PYTHONPATH": str(Path(maggi.__file__).parents[1])}
     other = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False)

@@ -33,7 +33,7 @@ def row(t):
 def record(recorder, times):
     recorder.begin(reduced(fake_runs.layout(len(times))))
     for t in times:
-        recorder.write(row(float(t)))
+        recorder.write(row(float(t)).rows())
     recorder.end("complete")
 
 

@@ -119,7 +119,7 @@ def test_a_long_model_text_is_kept(target):
     text = "# ä comment\n" * 20_000  # an attribute beyond 64 kB
     recorder = FileRecorder(target)
     recorder.begin(replace(fake_runs.layout(1), attributes={"model": text}))
-    recorder.write(fake_runs.row(0.0))
+    recorder.write(fake_runs.row(0.0).rows())
     recorder.end("complete")
     with h5py.File(target) as file:
         assert file.attrs["model"] == text
@@ -147,7 +147,7 @@ def test_rows_may_reuse_their_arrays(target):
     one = fake_runs.row(0.0)
     for t in (0.0, 1.0, 2.0):
         one.origin[:] = t
-        recorder.write(replace(one, time=t))
+        recorder.write(replace(one, time=t).rows())
     recorder.end("complete")
     with h5py.File(target) as file:
         assert (file["bodies/crank/origin"][:, 0] == [0.0, 1.0, 2.0]).all()
@@ -157,7 +157,7 @@ def test_interrupted_run_keeps_its_rows(target):
     recorder = FileRecorder(target)
     recorder.begin(fake_runs.layout(1000))
     for one in list(fake_runs.rows(1000))[:7]:
-        recorder.write(one)
+        recorder.write(one.rows())
     recorder.end("interrupted")
     assert recorder.rows == 7
     with read(target) as results:
@@ -185,7 +185,7 @@ def test_nothing_that_is_not_finite_is_written(target, field, path, bad):
     (value[0] if isinstance(value, tuple) else value).flat[0] = bad
     with pytest.raises(SimulationError, match=path):  # noqa: PT012
         for one in good:
-            recorder.write(one)
+            recorder.write(one.rows())
         recorder.end("complete")
     with h5py.File(target) as file:
         assert file["time"].shape == (5,)
@@ -199,7 +199,7 @@ def test_a_nan_in_the_first_row_leaves_nothing(target):
     one = fake_runs.row(0.0)
     one.force[0, 0] = np.nan
     with pytest.raises(SimulationError, match="joints/bearing/force"):
-        recorder.write(one)
+        recorder.write(one.rows())
     recorder.end("failed")
     assert list(target.parent.iterdir()) == []
 
@@ -286,7 +286,7 @@ def test_kill_9_leaves_complete_rows(target, moment):
         recorder.begin(fake_runs.layout(1000))
         some = list(fake_runs.rows(50))
         for count, row in enumerate(itertools.cycle(some)):
-            recorder.write(row)
+            recorder.write(row.rows())
             if count == 3:
                 print("started", flush=True)
     """
@@ -324,7 +324,7 @@ FULL_DISK = """
     try:
         recorder.begin(fake_runs.layout(1000))
         for row in fake_runs.rows(1000):
-            recorder.write(row)
+            recorder.write(row.rows())
     except (ModelError, SimulationError) as error:
         recorder.end(f"failed: {error}")
         print(recorder.rows, type(error).__name__, error)

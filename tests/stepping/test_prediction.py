@@ -100,7 +100,7 @@ def test_steps_end_where_they_would_without_predictions(model: Model) -> None:
     for one, other in zip(predicted.state.now, plain.state.now, strict=True):
         scale = max(1.0, float(np.abs(other).max(initial=0.0)))
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-9 * scale)
-    assert (predicted.residuals() < 2e-12).all()
+    assert (predicted.state.residuals < 2e-12).all()
 
 
 def test_unresolved_oscillations_are_predicted_by_what_they_were() -> None:

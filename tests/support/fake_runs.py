@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from maggi.analyses.outline import Outline
-from maggi.analyses.recorder import BodyLayout, JointLayout, Layout, Recorder, Row
+from maggi.analyses.recorder import BodyLayout, JointLayout, Layout, Recorder, Rows
 from maggi.analyses.scene import Scene, SceneAttachment, SceneBody, SceneJoint
 
 CRANK, ROD, SPEED = 0.05, 0.16, 200.0  # m, m, rad/s
@@ -58,6 +59,39 @@ def layout(rows: int) -> Layout:
         attributes={"title": "Fake slider-crank", "model": MODEL},
         gravity=GRAVITY,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One row: `Rows` without the index of time."""
+
+    time: float
+    origin: np.ndarray
+    rotation: np.ndarray
+    position: np.ndarray
+    attachment_rotation: np.ndarray
+    velocity: np.ndarray
+    angular_velocity: np.ndarray
+    displacement: tuple[np.ndarray, ...]
+    modal: tuple[np.ndarray, ...]
+    joint_position: np.ndarray
+    force: np.ndarray
+    torque: np.ndarray
+    unique: np.ndarray
+    coordinate: tuple[np.ndarray, ...]
+    energy: np.ndarray
+    residuals: np.ndarray
+    iterations: int
+
+    def rows(self) -> Rows:
+        """By itself."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return Rows(
+            **{
+                name: tuple(part[None] for part in value) if isinstance(value, tuple) else np.array([value])
+                for name, value in values.items()
+            }
+        )
 
 
 def row(t: float, iterations: int = 1) -> Row:
@@ -117,7 +151,7 @@ def rows(count: int, turns: float = 2.0) -> Iterator[Row]:
 def record(recorder: Recorder, count: int = 101, turns: float = 2.0, status: str = "complete") -> None:
     recorder.begin(layout(count))
     for one in rows(count, turns):
-        recorder.write(one)
+        recorder.write(one.rows())
     recorder.end(status)
 
 

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.image import imread
 
 from maggi.analyses.outline import Outline
-from maggi.analyses.recorder import BodyLayout, JointLayout, Layout, Row
+from maggi.analyses.recorder import BodyLayout, JointLayout, Layout
 from maggi.analyses.scene import Scene, SceneBody, SceneJoint
 from maggi.model.errors import ModelError
 from maggi.model.joint_kinds import JOINT_COORDINATES
@@ -130,7 +130,7 @@ def spatial_rows(count):
         ends = origin + (nodes + shift)[[0, -1]] @ turn.T
         some = fake_runs.row(float(t))
         rows.append(
-            Row(
+            fake_runs.Row(
                 float(t), origin[None], turn[None], ends, np.stack([turn, turn]), np.ones((2, 3)), np.ones((2, 3)),
                 (shift,), (), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), (), some.energy, some.residuals, 1,
             )
@@ -143,7 +143,7 @@ def test_a_spatial_mechanism_of_beams_without_joints(tmp_path):
     recorder = MemoryRecorder()
     recorder.begin(layout)
     for row in rows:
-        recorder.write(row)
+        recorder.write(row.rows())
     recorder.end("complete")
     results = recorder.results()
     assert joints_figure(results) is None
@@ -261,7 +261,7 @@ def rolling(rows, speed):
                 some, origin=origin, rotation=np.stack([np.eye(3)] * 2), position=nothing[:0], attachment_rotation=np.zeros((0, 3, 3)),
                 velocity=nothing[:0], angular_velocity=nothing[:0], displacement=(), modal=(), joint_position=origin,
                 force=nothing, torque=nothing, unique=np.ones(2, dtype=np.int64), coordinate=(np.zeros(0),) * 2,
-            )
+            ).rows()
         )  # fmt: skip
     recorder.end("complete")
     return recorder.results()
@@ -303,7 +303,7 @@ def test_bodies_that_only_turn_are_seen_to_turn():
                 some, origin=np.zeros((1, 3)), rotation=turn, position=none, attachment_rotation=np.zeros((0, 3, 3)), velocity=none,
                 angular_velocity=none, displacement=(), modal=(), joint_position=none, force=none, torque=none,
                 unique=np.zeros(0, dtype=np.int64), coordinate=(),
-            )
+            ).rows()
         )  # fmt: skip
     recorder.end("complete")
     assert len(mechanism_figure(recorder.results()).axes) == 4

@@ -13,16 +13,17 @@ from maggi.bodies.tables import FIXED, RITZ
 from maggi.liaisons.kernels import evaluate_rows
 from maggi.model.errors import SimulationError
 from maggi.model.simulation import Simulation
-from maggi.projection.redundancy import least_norm, left_null_space
-from maggi.stepping.allocate import geometric_metric, new_instant
+from maggi.stepping.allocate import new_instant, new_record
 from maggi.stepping.failures import almost_flat, why_raised
 from maggi.stepping.residuals import scaled_residuals
-from maggi.stepping.stepper import Counts
+from maggi.stepping.stepper import MOST_KEPT, Counts
+from maggi.stepping.tables import REPEATED
 from maggi.system.system import System
 
 from .initial import initial_motion, set_velocities
 from .ode import Ode
 from .ode_solution import Piece, pieces
+from .snapshot import next_row
 
 if TYPE_CHECKING:
     from maggi.stepping.mesh_step import MeshStep
@@ -99,6 +100,7 @@ class OdeRun:
         self.system = system
         self.meshes: Sequence[MeshStep] = ()
         self.state = new_instant(system, slowest, max(gravity, slowest / simulation.duration))
+        self.record = new_record(self.state, MOST_KEPT)
         self.counts = Counts()
         self.last_iterations = 0
         announce("compiling the equations of motion (once per installation)")
@@ -119,14 +121,14 @@ class OdeRun:
         )
         self._piece: Piece | None = None
         self._chart = self._equations.ode.chart
-        self._metric = geometric_metric(system)
         self._show(0.0, self._equations.z0)
 
-    def advance(self, done: int, until: int) -> int:
-        """Go on towards nominal step `until` by at least one step of the integrator; how many nominal steps that was.
+    def advance(self, done: int, steps: int, every: int) -> int:
+        """Go on towards the next nominal step that makes a row by at least one step of the integrator; how many nominal steps that was.
 
         Raises SimulationError where the motion cannot be continued.
         """
+        until = next_row(done, steps, every)
         wanted = until * self._h
         if self._piece is None or self._piece.end < wanted:
             self._piece = self._next()
@@ -143,21 +145,6 @@ class OdeRun:
     def dissipated(self) -> float:
         """Energy (J) that damping has taken up to the present."""
         return float(self.state.work[1])
-
-    def residuals(self) -> Array:
-        """Scaled liaison residuals at position, velocity and acceleration level, (3,)."""
-        out = np.zeros(3)
-        scaled_residuals(self.system.liaisons, self.state.rows, self.state.scales, out)
-        return out
-
-    def multipliers(self) -> tuple[Array, NDArray[np.bool_]]:
-        """λ (r,) of least norm (T11), and which are unique."""
-        system, multipliers = self.system, self.state.multipliers
-        if len(self._equations.ode.chart.velocities.redundant) == 0:
-            return multipliers, np.ones(system.rows, dtype=np.bool_)
-        all_rows = np.ones(system.rows, dtype=np.int64)
-        Z = left_null_space(system.liaisons, system.bodies, self.state.rows.A, self._metric, all_rows, system.size)
-        return least_norm(system.liaisons, Z, multipliers, system.size)
 
     def _next(self) -> Piece:
         try:
@@ -195,7 +182,9 @@ class OdeRun:
         state.multipliers[:] = evaluation.state.multipliers
         state.power[:] = evaluation.state.power[:3]
         state.work[:2] = z[-2:]
+        state.counts[REPEATED] = len(ode.chart.velocities.redundant) > 0
         self._scale()
+        scaled_residuals(system.liaisons, state.rows, state.scales, state.residuals)
         self.last_iterations = ode.evaluations - self._evaluations
         self._evaluations = ode.evaluations
 

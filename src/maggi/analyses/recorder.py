@@ -1,4 +1,4 @@
-"""What a transient run hands over, row by row, and the protocol of whatever keeps it."""
+"""What a transient run hands over, rows by rows, and the protocol of whatever keeps it."""
 
 from __future__ import annotations
 
@@ -62,20 +62,20 @@ class Layout:
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
-    """The state at one output time, global components unless said otherwise.
+class Rows:
+    """The states at m output times, global components unless said otherwise. The first index of every array is the time.
 
-    Per body (n_bodies first): origin (b, 3), rotation (b, 3, 3) body to global. Per attachment, in the order
-    of the layout, body by body: position (a, 3), attachment_rotation (a, 3, 3), velocity (a, 3),
-    angular_velocity (a, 3). displacement: for each mesh body nodal displacements (n_nodes, 3), body frame;
-    modal: for each Ritz or reduced body its coordinates (modes,). Per joint (drivers included): joint_position (j, 3), its point
-    on the second body, force (j, 3), torque (j, 3) about that point, unique (j,): 0 where others would do the same and
-    these are the least ones, and coordinate: one array (k,) per joint, k as
-    in the layout. energy: kinetic, strain, gravity, dissipated, work (J). residuals: position, velocity,
-    acceleration, scaled. iterations: back-substitutions or Newton iterations of the last step.
+    time (m,), s. Per body: origin (m, b, 3), rotation (m, b, 3, 3) body to global. Per attachment, in the order
+    of the layout, body by body: position (m, a, 3), attachment_rotation (m, a, 3, 3), velocity (m, a, 3),
+    angular_velocity (m, a, 3). displacement: for each mesh body nodal displacements (m, n_nodes, 3), body frame;
+    modal: for each Ritz or reduced body its coordinates (m, modes). Per joint (drivers included): joint_position (m, j, 3), its point
+    on the second body, force (m, j, 3), torque (m, j, 3) about that point, unique (m, j): 0 where others would do the same and
+    these are the least ones, and coordinate: one array (m, k) per joint, k as
+    in the layout. energy (m, 5): kinetic, strain, gravity, dissipated, work (J). residuals (m, 3): position, velocity,
+    acceleration, scaled. iterations (m,): back-substitutions or Newton iterations of the last step.
     """
 
-    time: float
+    time: Array
     origin: Array
     rotation: Array
     position: Array
@@ -91,7 +91,7 @@ class Row:
     coordinate: tuple[Array, ...]
     energy: Array
     residuals: Array
-    iterations: int
+    iterations: IntArray
 
 
 class Recorder(Protocol):
@@ -99,7 +99,7 @@ class Recorder(Protocol):
 
     def begin(self, layout: Layout) -> None: ...
 
-    def write(self, row: Row) -> None: ...
+    def write(self, rows: Rows) -> None: ...
 
     def end(self, status: str) -> None:
         """status: ``complete``, ``failed: <why>`` or ``interrupted``."""

@@ -1,4 +1,4 @@
-"""What the results keep of a system: its layout once, and a row at every output time."""
+"""What the results keep of a system: its layout once, and rows at the output times."""
 
 from __future__ import annotations
 
@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.bodies.small_bodies import small_body_energy
+from maggi.bodies.small_bodies import SmallBodyEnergies
 from maggi.bodies.tables import MESH, RITZ
 from maggi.liaisons.tables import COORDINATE_KIND, CURVE_FACE, CURVE_POINT, END_ATTACHMENT, TRANSLATION
-from maggi.stepping.tables import Instant
+from maggi.projection.redundancy import least_norm
+from maggi.stepping.allocate import geometric_metric
+from maggi.stepping.tables import ITERATIONS, REPEATED, Instant, Record
 from maggi.system.system import LiaisonEntry, System
 
 from .build_outline import build_outline
-from .recorder import BodyLayout, JointLayout, Layout, Row
+from .recorder import BodyLayout, JointLayout, Layout, Rows
 
 if TYPE_CHECKING:
     from maggi.stepping.mesh_step import MeshStep
@@ -77,16 +79,24 @@ def visible_liaisons(system: System) -> list[LiaisonEntry]:
     return [entry for entry in system.liaison_entries if entry.visible]
 
 
+def next_row(done: int, steps: int, every: int) -> int:
+    """The nominal step after `done` that ends with a row: one of every so many, and the last."""
+    return min(steps, (done // every + 1) * every)
+
+
 class Present(Protocol):
     """A run as it stands: what rows are made of.
 
-    state: motion, attachments, rows, the energy stored in springs (`power`), work (the first of `work`). meshes: of bodies with nodal freedoms. last_iterations: what the last step, or row, has cost.
+    state: the present instant. record: instants that were kept before. meshes: of bodies with nodal freedoms.
+    last_iterations: what the last step, or row, has cost.
     """
 
     @property
     def system(self) -> System: ...
     @property
     def state(self) -> Instant: ...
+    @property
+    def record(self) -> Record: ...
     @property
     def meshes(self) -> Sequence[MeshStep]: ...
     @property
@@ -95,15 +105,9 @@ class Present(Protocol):
     def dissipated(self) -> float:
         """Energy (J) that damping has taken up to the present."""
 
-    def residuals(self) -> Array:
-        """Scaled liaison residuals at position, velocity and acceleration level, (3,)."""
-
-    def multipliers(self) -> tuple[Array, NDArray[np.bool_]]:
-        """λ (r,) of least norm (T11), and which are unique (r,)."""
-
 
 class Snapshots:
-    """Makes rows of a run's present state."""
+    """Makes rows of the instants of a run, of many at once: each by itself would cost as much as several steps."""
 
     def __init__(self, run: Present) -> None:
         system = run.system
@@ -115,9 +119,15 @@ class Snapshots:
         self._liaisons = visible_liaisons(system)
         self._seconds = np.array([entry.reference for entry in self._liaisons], dtype=np.int64)
         self.shared: dict[str, None] = {}  # joints whose forces were not unique at some row, in order
+        self.largest_rotation = (
+            0.0,
+            "",
+        )  # elastic rotation |θ| (rad) of a meshed body's attachment so far, and which it is
         self._meshes: dict[int, MeshStep] = {mesh.index: mesh for mesh in run.meshes}
-        self._shares = _shares(system, self._liaisons)
+        self._liaison, self._row, self._end = _shares(system, self._liaisons)
+        self._exerting, self._starts = np.unique(self._liaison, return_index=True)
         bodies = system.bodies
+        self._small = SmallBodyEnergies(bodies, system.forces.gravity)
         self._modal = [
             slice(int(bodies.offset[b]) + 6, int(bodies.offset[b + 1])) for b in self._indices if bodies.kind[b] == RITZ
         ]
@@ -125,76 +135,112 @@ class Snapshots:
         counts = [len(entry.coordinates) for entry in self._liaisons]
         self._coordinates = np.array([c for entry in self._liaisons for c in entry.coordinates], dtype=np.int64)
         self._of_liaison = [slice(end - count, end) for count, end in zip(counts, accumulate(counts), strict=True)]
+        self._of_meshes: list[tuple[list[Array], Array]] = []  # displacements and energies at every instant kept
+        self._metric: Array | None = None  # where rows repeat each other
 
-    def row(self, t: float) -> Row:
-        """The present state at time t."""
+    def take(self, step: int) -> None:
+        """Keep the present instant, at the end of a nominal step."""
         run = self._run
-        state = run.state
-        motion, at = state.now, state.attachments
+        run.dissipated()  # brings the balance of damping up to date
+        run.state.counts[ITERATIONS] = run.last_iterations
+        if self._meshes:
+            gravity = run.system.forces.gravity
+            energies = np.sum([mesh.energies(run.state.now, gravity) for mesh in run.meshes], axis=0)
+            shown = [mesh.body.nodal_displacement(mesh.u) for mesh in self._visible_meshes]
+            self._of_meshes.append((shown, energies))
+        run.record.keep(run.state, step)
+
+    def rows(self, step: float) -> Rows:
+        """Rows of all instants kept, which are forgotten. step (s): the nominal one."""
+        record, state = self._run.record, self._run.state
+        now, at = state.now, state.attachments
+        position = record.values(state, at.position)
+        e = record.values(state, now.e)
+        coordinate = record.values(state, state.rows.coordinate)[:, self._coordinates, 0]
         force, torque, unique = self._joint_forces()
-        self.shared |= {entry.name: None for entry, sure in zip(self._liaisons, unique, strict=True) if not sure}
-        coordinate = state.rows.coordinate[self._coordinates, 0]
+        self._watch_rotations(e)
         chosen = self._attachments
-        return Row(
-            t,
-            motion.origin[self._indices],
-            motion.rotation[self._indices],
-            at.position[chosen],
-            at.rotation[chosen],
-            at.velocity[chosen],
-            at.angular_velocity[chosen],
-            tuple(mesh.body.nodal_displacement(mesh.u) for mesh in self._visible_meshes),
-            tuple(motion.e[part].copy() for part in self._modal),
-            at.position[self._seconds],
+        rows = Rows(
+            record.steps[: record.kept] * np.float64(step),
+            record.values(state, now.origin)[:, self._indices],
+            record.values(state, now.rotation)[:, self._indices],
+            position[:, chosen],
+            record.values(state, at.rotation)[:, chosen],
+            record.values(state, at.velocity)[:, chosen],
+            record.values(state, at.angular_velocity)[:, chosen],
+            tuple(np.array([shown[k] for shown, _ in self._of_meshes]) for k in range(len(self._visible_meshes))),
+            tuple(e[:, part].copy() for part in self._modal),
+            position[:, self._seconds],
             force,
             torque,
             unique,
-            tuple(coordinate[part] for part in self._of_liaison),
-            self.energies(),
-            run.residuals(),
-            run.last_iterations,
+            tuple(coordinate[:, part] for part in self._of_liaison),
+            self._energies(e),
+            record.values(state, state.residuals).copy(),
+            record.values(state, state.counts)[:, ITERATIONS].astype(np.int64),
         )
+        self._of_meshes.clear()
+        record.clear()
+        return rows
 
-    def energies(self) -> Array:
-        """Kinetic, strain (springs included), gravity energy, energy dissipated, work (5,), J."""
-        run = self._run
-        state, gravity = run.state, run.system.forces.gravity
-        small = small_body_energy(run.system.bodies, state.now, gravity)
-        result = np.array([small[0], small[1] + state.power[0], small[2], run.dissipated(), state.work[0]])
-        for mesh in run.meshes:
-            result[:3] += mesh.energies(state.now, gravity)
+    def _energies(self, e: Array) -> Array:
+        """Kinetic, strain (springs included), gravity energy, energy dissipated, work (m, 5), J."""
+        record, state = self._run.record, self._run.state
+        now = state.now
+        origin, rotation, v = (record.values(state, part) for part in (now.origin, now.rotation, now.v))
+        result = np.empty((len(e), 5))
+        result[:, :3] = self._small.at(origin, rotation, e, v)[:, :3]
+        result[:, 1] += record.values(state, state.power)[:, 0]
+        work = record.values(state, state.work)
+        result[:, 3], result[:, 4] = work[:, 1], work[:, 0]
+        for k, (_, of_meshes) in enumerate(self._of_meshes):
+            result[k, :3] += of_meshes
         return result
 
-    def largest_rotation(self) -> tuple[float, str]:
-        """The largest elastic rotation |θ| (rad) of a meshed body's attachment, and which attachment it is."""
-        system, e = self._run.system, self._run.state.now.e
-        largest, name = 0.0, ""
+    def _watch_rotations(self, e: Array) -> None:
+        """Look for a larger elastic rotation of an attachment than there was before."""
+        system = self._run.system
         for index in (*self._meshes, *system.reduced):
             body = system.mesh(index)
             assert body is not None
-            turns = e[system.bodies.offset[index] + 6 : system.bodies.offset[index + 1]]
+            turns = e[:, system.bodies.offset[index] + 6 : system.bodies.offset[index + 1]]
             if index in system.reduced:
-                turns = (system.reduced[index].psi @ turns).ravel()
+                turns = turns @ system.reduced[index].psi.reshape(-1, turns.shape[1]).T
             for k, coupling in enumerate(body.couplings):
-                angle = float(np.linalg.norm(turns[6 * k + 3 : 6 * k + 6]))
-                if angle > largest:
-                    largest, name = angle, f"{body.name}.{coupling.name}"
-        return largest, name
+                angle = float(np.linalg.norm(turns[:, 6 * k + 3 : 6 * k + 6], axis=1).max(initial=0.0))
+                if angle > self.largest_rotation[0]:
+                    self.largest_rotation = angle, f"{body.name}.{coupling.name}"
 
     def _joint_forces(self) -> tuple[Array, Array, IntArray]:
-        """Force and torque of first on second at the joint's point on second, global (T11), and which are unique.
+        """Force and torque of first on second at the joint's point on second, global (T11), and which are unique; (m, j, …).
 
         They are minus the rows' shares in Aᵀλ, of least norm where rows repeat each other.
         """
-        multipliers, sure = self._run.multipliers()
-        liaison, row, end = self._shares
-        wrench = np.zeros((len(self._liaisons), 6))
-        np.subtract.at(wrench, liaison, multipliers[row, None] * self._run.state.rows.wrench[end])
-        unique = np.ones(len(self._liaisons), dtype=np.int64)
-        if not sure.all():
+        record, state = self._run.record, self._run.state
+        multipliers = record.values(state, state.multipliers)
+        unique = np.ones((len(multipliers), len(self._liaisons)), dtype=np.int64)
+        repeated = np.flatnonzero(record.values(state, state.counts)[:, REPEATED])
+        if repeated.size:
+            multipliers = multipliers.copy()
+            multipliers[repeated], sure = self._least_norm(repeated, multipliers[repeated])
             for j, entry in enumerate(self._liaisons):
-                unique[j] = sure[entry.rows].all()
-        return wrench[:, :3], wrench[:, 3:], unique
+                unique[repeated, j] = sure[:, entry.rows].all(axis=1)
+                if not unique[:, j].all():
+                    self.shared[entry.name] = None
+        wrench = np.zeros((len(multipliers), len(self._liaisons), 6))
+        if self._liaison.size:
+            shares = record.values(state, state.rows.wrench)[:, self._end]
+            shares *= -multipliers[:, self._row, None]
+            wrench[:, self._exerting] = np.add.reduceat(shares, self._starts, axis=1)
+        return wrench[..., :3], wrench[..., 3:], unique
+
+    def _least_norm(self, places: IntArray, multipliers: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Of instants where rows repeat each other; see `least_norm`."""
+        system, record, state = self._run.system, self._run.record, self._run.state
+        if self._metric is None:
+            self._metric = geometric_metric(system)
+        A, active = record.values(state, state.rows.A)[places], record.values(state, state.active)[places]
+        return least_norm(system.liaisons, system.bodies, A, self._metric, active, multipliers, system.size)
 
 
 def _shares(system: System, liaisons: list[LiaisonEntry]) -> tuple[IntArray, IntArray, IntArray]:

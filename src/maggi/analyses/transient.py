@@ -18,13 +18,14 @@ from maggi.model.model import Model
 from maggi.model.simulation import Simulation
 from maggi.stepping import ahead
 from maggi.stepping.stepper import Counts, Stepper
+from maggi.stepping.tables import ITERATIONS
 from maggi.system.build import RecordedMotion, build_system, has_recorded_motion
 from maggi.system.system import System
 
 from .adaptive import AdaptiveSteps
 from .initial import initial_motion, set_velocities
 from .recorder import Progress, Recorder
-from .snapshot import Present, Snapshots, layout
+from .snapshot import Present, Snapshots, layout, next_row
 
 if TYPE_CHECKING:
     from maggi.bodies.mesh_body import MeshBody
@@ -33,6 +34,7 @@ Array = NDArray[np.float64]
 
 HALVINGS = 6  # a step that fails is tried in up to 2⁶ parts
 LARGE_ROTATION = 0.2  # rad; beyond it the linear-elastic floating frame ends (Theory §3)
+SHOW_SECONDS = 0.1  # between two looks at progress, after which rows are handed on, too
 CHUNK_SECONDS = 0.1  # of compiled steps between two looks at progress and interrupts
 
 
@@ -215,13 +217,22 @@ class _Advance:
         self._h = simulation.step
         self._stepper.set_step(self._h)
 
-    def steps(self, first: int, count: int) -> None:
-        """Steps first … first + count − 1; raises SimulationError where even 2⁶ parts of one fail."""
-        done = self._stepper.advance(first * self._h, count)
+    def steps(self, first: int, count: int, every: int = 0, last: int = 0) -> None:
+        """Steps first … first + count − 1; raises SimulationError where even 2⁶ parts of one fail.
+
+        every, last: see `Stepper.keep`.
+        """
+        stepper, done = self._stepper, 0
         while done < count:
-            self._in_parts(first + done)
-            done += 1
-            done += self._stepper.advance((first + done) * self._h, count - done)
+            stepper.keep(first + done, every, last)
+            done += stepper.advance((first + done) * self._h, count - done)
+            if done < count:
+                stepper.keep(0, 0, 0)
+                self._in_parts(first + done)
+                done += 1
+                if every and first + done == next_row(first + done - 1, last, every):
+                    stepper.state.counts[ITERATIONS] = stepper.last_iterations
+                    stepper.record.keep(stepper.state, first + done)
 
     def _in_parts(self, k: int) -> None:
         stepper = self._stepper
@@ -244,8 +255,11 @@ class March(Present, Protocol):
     @property
     def counts(self) -> Counts: ...
 
-    def advance(self, done: int, until: int) -> int:
-        """Go on from nominal step `done` towards `until`; how many steps that was. Raises SimulationError."""
+    def advance(self, done: int, steps: int, every: int) -> int:
+        """Go on from nominal step `done` towards `steps`; how many steps that was. Raises SimulationError.
+
+        Where a row is to be, after every so many steps and after the last, it ends, or keeps the instant in `record`.
+        """
 
     def note(self) -> str:
         """How it goes, for whoever watches."""
@@ -256,13 +270,11 @@ class _Stepping:
 
     def __init__(self, stepper: Stepper, simulation: Simulation) -> None:
         self.system, self.state, self.meshes = stepper.system, stepper.state, stepper.meshes
-        self.counts = stepper.counts
+        self.counts, self.record = stepper.counts, stepper.record
         self._stepper = stepper
-        self._adaptive = simulation.accuracy is not None
-        self._advance = (
-            _Advance(stepper, simulation)
-            if simulation.accuracy is None
-            else AdaptiveSteps(stepper, simulation.step, simulation.accuracy)
+        self._fixed = _Advance(stepper, simulation) if simulation.accuracy is None else None
+        self._adaptive = (
+            None if simulation.accuracy is None else AdaptiveSteps(stepper, simulation.step, simulation.accuracy)
         )
         self._chunk = 1
 
@@ -275,19 +287,18 @@ class _Stepping:
         """See `Stepper.dissipated`."""
         return self._stepper.dissipated()
 
-    def residuals(self) -> Array:
-        """See `Stepper.residuals`."""
-        return self._stepper.residuals()
-
-    def multipliers(self) -> tuple[Array, NDArray[np.bool_]]:
-        """See `Stepper.multipliers`."""
-        return self._stepper.multipliers()
-
-    def advance(self, done: int, until: int) -> int:
+    def advance(self, done: int, steps: int, every: int) -> int:
         """See `March.advance`."""
-        count = min(self._chunk, until - done)
+        count = min(self._chunk, next_row(done, steps, every) - done)
         began = time.perf_counter()
-        self._advance.steps(done, count)
+        if self._adaptive is not None:
+            self._adaptive.steps(done, count)
+        elif self._fixed is not None and self.meshes:
+            self._fixed.steps(done, count)
+        elif self._fixed is not None:
+            # through as many rows as there is room for
+            count = min(self._chunk, next_row(done, steps, every) + (self.record.room - 1) * every - done, steps - done)
+            self._fixed.steps(done, count, every, steps)
         if count == self._chunk:
             took = max(time.perf_counter() - began, 1e-6)
             self._chunk = max(1, min(2 * self._chunk, int(self._chunk * CHUNK_SECONDS / took)))
@@ -297,7 +308,7 @@ class _Stepping:
         """See `March.note`."""
         per_step = self.counts.back_substitutions / max(1, self.counts.steps)
         parts = [f"{per_step:.2f} solves a step"] if self.meshes else []
-        if self._adaptive:
+        if self._adaptive is not None:
             parts.append(f"steps of {self._stepper.coefficients.h:.2g} s")
         return ", ".join(parts)
 
@@ -312,7 +323,6 @@ class _Run:
         self._exact = exact
         self._residuals = np.zeros(3)
         self._energies: list[Array] = []
-        self._rotation = (0.0, "")
 
     def run(self, began: float) -> RunSummary:
         simulation = checked(self._model)
@@ -324,15 +334,17 @@ class _Run:
         every = self._model.outputs.every
         rows = 1 + -(-steps // every)
         self._recorder.begin(layout(march.system, rows, self._attributes(simulation)))
-        self._write(0.0)
+        self._snapshots.take(0)
+        self._write(simulation.step)
         clock = time.perf_counter()
         writing = self._loop(march, simulation, steps, every)
         timings["steps"] = time.perf_counter() - clock - writing
         timings["rows"] = writing
         self._recorder.end("complete")
-        if self._rotation[0] > LARGE_ROTATION:
+        angle, attachment = self._snapshots.largest_rotation
+        if angle > LARGE_ROTATION:
             notes.append(
-                f"attachment {self._rotation[1]} turns by up to {self._rotation[0]:.2g} rad relative to its body: "
+                f"attachment {attachment} turns by up to {angle:.2g} rad relative to its body: "
                 "beyond about 0.2 rad a linear-elastic body on a floating frame is no longer accurate"
             )
         if self._snapshots.shared:
@@ -340,7 +352,7 @@ class _Run:
                 f"joints repeat each other: the forces of {', '.join(self._snapshots.shared)} are not unique, and are "
                 "the least that do the same (`maggi check` names the rows; elastic bodies would share them)"
             )
-        balance, loss = _balance(np.array(self._energies))
+        balance, loss = _balance(np.concatenate(self._energies))
         return _summary(march.counts, self._residuals, balance, loss, notes, time.perf_counter() - began, timings)
 
     def _march(self, simulation: Simulation, notes: list[str], timings: dict[str, float]) -> March:
@@ -362,26 +374,33 @@ class _Run:
         return run
 
     def _loop(self, march: March, simulation: Simulation, steps: int, every: int) -> float:
+        """Go on to the end; returns the seconds that went into rows."""
         done, writing = 0, 0.0
         shown = time.perf_counter()
-        while done < steps:
-            until = min(steps, (done // every + 1) * every)
-            done += march.advance(done, until)
-            now = time.perf_counter()
-            if done == until:
-                self._write(done * simulation.step)
-                writing += time.perf_counter() - now
-            if now - shown > 0.1 or done == steps:
-                shown = now
-                self._progress.advance(done, steps, done * simulation.step, march.note())
+        try:
+            while done < steps:
+                done += march.advance(done, steps, every)
+                if done == next_row(done - 1, steps, every) and march.record.last_step() != done:
+                    self._snapshots.take(done)
+                now = time.perf_counter()
+                due = now - shown > SHOW_SECONDS or done == steps
+                if due or not march.record.room:
+                    self._write(simulation.step)
+                    writing += time.perf_counter() - now
+                if due:
+                    shown = now
+                    self._progress.advance(done, steps, done * simulation.step, march.note())
+        finally:  # whatever was reached is kept
+            self._write(simulation.step)
         return writing
 
-    def _write(self, t: float) -> None:
-        row = self._snapshots.row(t)
-        self._residuals = np.maximum(self._residuals, row.residuals)
-        self._energies.append(row.energy)
-        self._rotation = max(self._rotation, self._snapshots.largest_rotation())
-        self._recorder.write(row)
+    def _write(self, step: float) -> None:
+        rows = self._snapshots.rows(step)
+        if not len(rows.time):
+            return
+        self._residuals = np.maximum(self._residuals, rows.residuals.max(axis=0))
+        self._energies.append(rows.energy)
+        self._recorder.write(rows)
 
     def _attributes(self, simulation: Simulation) -> dict[str, str | float | int]:
         text = self._model.text

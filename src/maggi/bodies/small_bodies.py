@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from maggi.linalg.vectors import cross, cross_rows
+from maggi.linalg.vectors import cross
 
 from .ritz_kernels import deformed_inertia, inertia_residual, mass_matrix
 from .tables import RIGID, RITZ, Array, BodyTable, MotionState
@@ -44,26 +44,43 @@ def body_residual(table: BodyTable, b: int, state: MotionState, gravity: Array) 
     return np.concatenate([force, cross(S, a) + J @ eps + cross(w, J @ w)])
 
 
-def small_body_energy(table: BodyTable, state: MotionState, gravity: Array) -> Array:
-    """Kinetic, strain and gravity energy (J) and dissipated power (W) of all rigid and Ritz bodies, (4,)."""
-    rigid = np.flatnonzero(table.kind == RIGID)
-    first = table.offset[rigid][:, None] + np.arange(3)
-    v, w = state.v[first], state.v[first + 3]
-    mass, S, J = table.mass[rigid], table.S0[rigid], table.J0[rigid]
-    # v·(ω × S) = S·(v × ω)
-    angular = 0.5 * (J @ w[:, :, None])[:, :, 0]
-    kinetic = 0.5 * mass @ (v * v).sum(axis=1) + (w * angular).sum() + (S * cross_rows(v, w)).sum()
-    moment = mass @ state.origin[rigid] + (state.rotation[rigid] @ S[:, :, None]).sum(axis=0)[:, 0]
-    out = np.array([kinetic, 0.0, -gravity @ moment, 0.0])
-    for b in map(int, np.flatnonzero(table.kind == RITZ)):
-        o, e = int(table.offset[b]), int(table.offset[b + 1])
-        v, elastic, n = state.v[o:e], state.e[o + 6 : e], e - o - 6
+class SmallBodyEnergies:
+    """Energies of all rigid and Ritz bodies at many instants at once."""
+
+    def __init__(self, table: BodyTable, gravity: Array) -> None:
+        """gravity (3,), m/s²."""
+        self._table, self._gravity = table, gravity
+        self._rigid = np.flatnonzero(table.kind == RIGID)
+        self._ritz = [int(b) for b in np.flatnonzero(table.kind == RITZ)]
+        self._twists = table.offset[self._rigid][:, None] + np.arange(6)
+        self._M = np.zeros((self._rigid.size, 6, 6))
+        for M, b in zip(self._M, self._rigid, strict=True):
+            M[:] = body_mass(table, int(b), np.empty(0))
+        self._weight = table.mass[self._rigid, None] * gravity
+        self._leverage = gravity[:, None] * table.S0[self._rigid][:, None, :]  # what rotations are to be multiplied by
+
+    def at(self, origin: Array, rotation: Array, e: Array, v: Array) -> Array:
+        """Kinetic, strain and gravity energy (J) and dissipated power (W), (m, 4).
+
+        origin (m, b, 3), rotation (m, b, 3, 3), e, v (m, n): as in `MotionState`, m instants.
+        """
+        out = np.zeros((len(v), 4))
+        t = v[:, self._twists]
+        out[:, 0] = 0.5 * (t * (self._M @ t[..., None])[..., 0]).sum(axis=(1, 2))
+        out[:, 2] = -(origin[:, self._rigid] * self._weight).sum(axis=(1, 2))
+        out[:, 2] -= (rotation[:, self._rigid] * self._leverage).sum(axis=(1, 2, 3))
+        for b in self._ritz:
+            for k in range(len(v)):
+                out[k] += self._of_ritz(b, origin[k, b], rotation[k, b], e[k], v[k])
+        return out
+
+    def _of_ritz(self, b: int, origin: Array, rotation: Array, e: Array, v: Array) -> Array:
+        table, gravity = self._table, self._gravity
+        o, end = int(table.offset[b]), int(table.offset[b + 1])
+        v, elastic, n = v[o:end], np.ascontiguousarray(e[o + 6 : end]), end - o - 6
         q = int(table.ritz_square[b])
         k, D = (part[q : q + n * n].reshape(n, n) for part in (table.k, table.D))
         S, J = np.empty(3), np.empty((3, 3))
         deformed_inertia(table, b, elastic, S, J)
-        out[0] += 0.5 * v @ body_mass(table, b, elastic) @ v
-        out[1] += 0.5 * elastic @ k @ elastic
-        out[2] -= gravity @ (table.mass[b] * state.origin[b] + state.rotation[b] @ S)
-        out[3] += v[6:] @ D @ v[6:]
-    return out
+        kinetic, strain = 0.5 * v @ body_mass(table, b, elastic) @ v, 0.5 * elastic @ k @ elastic
+        return np.array([kinetic, strain, -gravity @ (table.mass[b] * origin + rotation @ S), v[6:] @ D @ v[6:]])

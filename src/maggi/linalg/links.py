@@ -64,11 +64,17 @@ def _call3(typing_context: Any, address: Any, a: Any, b: Any, c: Any, t: Any) ->
     return _calling(typing_context, address, a, b, c, t)
 
 
+def _call4(typing_context: Any, address: Any, a: Any, b: Any, c: Any, d: Any, t: Any) -> Any:
+    return _calling(typing_context, address, a, b, c, d, t)
+
+
 def _call5(typing_context: Any, address: Any, a: Any, b: Any, c: Any, d: Any, e: Any, t: Any) -> Any:
     return _calling(typing_context, address, a, b, c, d, e, t)
 
 
 call3: Any = intrinsic(_call3)
 """``call3(address, first, second, third, t)``: a link of three tables."""
+call4: Any = intrinsic(_call4)
+"""The same of four tables."""
 call5: Any = intrinsic(_call5)
 """The same of five tables."""

@@ -12,7 +12,7 @@ import hashlib
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from llvmlite import ir
@@ -22,6 +22,7 @@ from numba.core.imputils import lower_getattr_generic
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
 from numba.extending import NativeValue, models, register_model, unbox
 from numba.np import arrayobj
+from numpy.typing import NDArray
 
 WORD = ir.IntType(64)
 NO_ARRAY = -1  # in place of the number of dimensions
@@ -80,6 +81,36 @@ class Table:
     def copy(self) -> Self:
         """A table of copies of all arrays."""
         return type(self)(*(value.copy() if isinstance(value, np.ndarray | Table) else value for value in self))
+
+
+T = TypeVar("T", bound=Table)
+
+
+def packed(table: T) -> tuple[T, NDArray[np.float64]]:
+    """The same with all arrays one behind the other in one array of numbers, of which they are views, and that array.
+
+    For arrays of float64 and int64, the bits of which then stand for numbers.
+    """
+    flat = np.empty(_words(table))
+    made, _ = _moved(table, flat, 0)
+    return made, flat
+
+
+def _words(table: Table) -> int:
+    return sum(_words(v) if isinstance(v, Table) else v.size for v in table if isinstance(v, np.ndarray | Table))
+
+
+def _moved(table: T, flat: NDArray[np.float64], place: int) -> tuple[T, int]:
+    values: list[Any] = []
+    for value in table:
+        if isinstance(value, Table):
+            value, place = _moved(value, flat, place)
+        elif isinstance(value, np.ndarray):
+            view = flat[place : place + value.size].view(value.dtype).reshape(value.shape)
+            view[...] = value
+            value, place = view, place + value.size
+        values.append(value)
+    return type(table)(*values), place
 
 
 _types: dict[tuple[object, tuple[tuple[Any, int], ...]], TableType] = {}

@@ -13,9 +13,3 @@ def cross(a: Array, b: Array) -> Array:
     a0, a1, a2 = a.tolist()
     b0, b1, b2 = b.tolist()
     return np.array((a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0))
-
-
-def cross_rows(a: Array, b: Array) -> Array:
-    """a × b of the rows of two (n, 3) arrays, (n, 3)."""
-    (a0, a1, a2), (b0, b1, b2) = a.T, b.T
-    return np.stack((a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0), axis=1)

@@ -20,24 +20,66 @@ IntArray = NDArray[np.int64]
 _SHARE = 1e-6  # of a row in what is not unique, from which on its force counts as such
 
 
-def left_null_space(
-    liaisons: LiaisonTable, bodies: BodyTable, A: Array, metric: Array, active: IntArray, size: float
-) -> Array:
-    """An orthonormal basis Z (r, k) of the weighted multipliers w λ that exert nothing, Aᵀ λ = 0.
+def least_norm(
+    liaisons: LiaisonTable,
+    bodies: BodyTable,
+    A: Array,
+    metric: Array,
+    active: IntArray,
+    multipliers: Array,
+    size: float,
+) -> tuple[Array, NDArray[np.bool_]]:
+    """The multipliers (m, r) of least norm that exert what the given ones do at m states, and which are unique (m, r).
 
-    w is 1 for forces and 1/size for moments.
+    The norm counts forces (N), and moments by size (m) as forces.
 
-    A (flat): rows at one state. metric (flat blocks): of velocities, on which nothing depends but what is round-off.
-    active (r,): rows that a singular position has made dependent. size (m): what makes forces of moments.
+    A (m, flat): rows at each state. metric (flat blocks): of velocities, on which nothing depends but what is round-off.
+    active (m, r): rows that a singular position has made dependent. multipliers (m, r).
     """
     r = len(liaisons.row)
     L, pivot, scale, Zt = np.zeros(int(liaisons.skyline_start[-1])), np.zeros(r), np.zeros(r), np.empty((r, r))
-    weight = _weights(liaisons, size)
-    return Zt[: _null_space(liaisons, bodies, A, metric, active, weight, L, pivot, scale, Zt)].T
+    weight = np.where(liaisons.row[:, ROW_ANGULAR] == 1, 1.0 / size, 1.0)
+    found, share = np.array(multipliers, order="C"), np.empty(multipliers.shape)
+    of_states = np.ascontiguousarray(A), np.ascontiguousarray(active), found, share
+    _least_norm(liaisons, bodies, metric, weight, *of_states, L, pivot, scale, Zt)
+    return found, np.asarray(share < _SHARE)
 
 
 @kernel
-def _null_space(
+def _least_norm(
+    liaisons: LiaisonTable,
+    bodies: BodyTable,
+    metric: Array,
+    weight: Array,
+    A: Array,
+    active: IntArray,
+    multipliers: Array,
+    share: Array,
+    L: Array,
+    pivot: Array,
+    scale: Array,
+    Zt: Array,
+) -> None:
+    """`least_norm` in place; share (m, r): of each row in what is not unique, the norm of its row of Z."""
+    r = pivot.shape[0]
+    for k in range(multipliers.shape[0]):
+        forces, of_row = multipliers[k], share[k]
+        count = null_space(liaisons, bodies, A[k], metric, active[k], weight, L, pivot, scale, Zt)
+        for i in range(r):
+            of_row[i] = 0.0
+            forces[i] *= weight[i]
+        for c in range(count):
+            z = Zt[c]
+            add_multiple(-inner(z, forces), z, forces)
+            for i in range(r):
+                of_row[i] += z[i] * z[i]
+        for i in range(r):
+            of_row[i] = math.sqrt(of_row[i])
+            forces[i] /= weight[i]
+
+
+@inner_kernel
+def null_space(
     liaisons: LiaisonTable,
     bodies: BodyTable,
     A: Array,
@@ -49,7 +91,10 @@ def _null_space(
     scale: Array,
     Zt: Array,
 ) -> int:
-    """`left_null_space` into the first rows of Zt (r, r); how many they are."""
+    """An orthonormal basis of the weighted multipliers w λ that exert nothing, Aᵀ λ = 0, into the first rows of Zt (r, r); how many.
+
+    w is 1 for forces and 1/size for moments.
+    """
     first, start = liaisons.skyline_first, liaisons.skyline_start
     r = pivot.shape[0]
     assemble_compliance(liaisons, bodies, A, metric, L)
@@ -84,18 +129,3 @@ def _orthonormalise(Zt: Array, last: int) -> None:
     length = math.sqrt(inner(row, row))
     for i in range(row.shape[0]):
         row[i] /= length
-
-
-def least_norm(liaisons: LiaisonTable, Z: Array, multipliers: Array, size: float) -> tuple[Array, NDArray[np.bool_]]:
-    """The multipliers (r,) of least norm that exert the same forces, and which rows' are unique (r,).
-
-    Z : from `left_null_space`. The norm counts forces (N), and moments by size (m) as forces.
-    """
-    weight = _weights(liaisons, size)
-    scaled = weight * multipliers
-    return (scaled - Z @ (Z.T @ scaled)) / weight, np.asarray(np.linalg.norm(Z, axis=1) < _SHARE)
-
-
-def _weights(liaisons: LiaisonTable, size: float) -> Array:
-    """1 for rows of forces, 1/size for those of moments (r,)."""
-    return np.where(liaisons.row[:, ROW_ANGULAR] == 1, 1.0 / size, 1.0)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.analyses.recorder import Layout, Row
+from maggi.analyses.recorder import Layout, Rows
 from maggi.model.errors import SimulationError
 
 from .contract import Column
@@ -26,8 +26,8 @@ _PARTS = ("displacement", "modal", "coordinate")
 class RowBuffer:
     """Collects rows and gives them back as one array per column.
 
-    Rows are copied, so that a run may reuse its arrays. Copying goes by the fields of `Row` (a dozen
-    arrays however many bodies there are), which keeps a row at a few microseconds.
+    Rows are copied, so that a run may reuse its arrays. Copying goes by the fields of `Rows`: a dozen
+    arrays however many bodies there are.
 
     Parameters
     ----------
@@ -61,14 +61,17 @@ class RowBuffer:
     def __len__(self) -> int:
         return self._count
 
-    def append(self, row: Row) -> None:
-        """Copy one row."""
-        i = self._count
+    def append(self, rows: Rows, first: int) -> int:
+        """Copy rows from the `first` on, as many as there is room for; how many that were."""
+        start = self._count
+        count = min(self.capacity - start, len(rows.time) - first)
+        here, there = slice(start, start + count), slice(first, first + count)
         for name, array in self._whole.items():
-            array[i] = getattr(row, name)
+            array[here] = getattr(rows, name)[there]
         for (name, part), array in self._parts.items():
-            array[i] = getattr(row, name)[part]
-        self._count = i + 1
+            array[here] = getattr(rows, name)[part][there]
+        self._count = start + count
+        return count
 
     def blocks(self) -> list[tuple[Column, NDArray[Any]]]:
         """Every column with its (count, *shape) values; views, valid until `clear`."""

@@ -25,7 +25,7 @@ ENERGIES = ("kinetic", "strain", "gravity", "dissipated", "work")
 RESIDUALS = ("position", "velocity", "acceleration")
 AXES = ("x", "y", "z")
 
-# Unit and description of the motion of a frame, by field of `Row`.
+# Unit and description of the motion of a frame, by field of `Rows`.
 _FRAME_FIELDS = {
     "position": ("position", (3,), "m", "position of the attachment, global components"),
     "rotation": ("attachment_rotation", (3, 3), "1", "rotation matrix of the attachment, its axes to global"),
@@ -43,10 +43,10 @@ _ENERGY_TEXT = {
 
 @dataclass(frozen=True)
 class Column:
-    """One time-dependent table of the results: where it is, and where in a `Row` it comes from.
+    """One time-dependent table of the results: where it is, and where in `Rows` it comes from.
 
     path : in the result file; the table is (n, *shape), n rows in time.
-    field, part : the field of `Row` and, where the field is a tuple of arrays, the place in it.
+    field, part : the field of `Rows` and, where the field is a tuple of arrays, the place in it.
     index : the place along the field's first axis that this column takes; None takes everything.
     """
 
@@ -149,12 +149,12 @@ def _joint_columns(layout: Layout) -> Iterator[Column]:
 
 
 def mesh_bodies(layout: Layout) -> tuple[BodyLayout, ...]:
-    """The bodies with nodal displacements, in the order of `Row.displacement`."""
+    """The bodies with nodal displacements, in the order of `Rows.displacement`."""
     return tuple(body for body in layout.bodies if body.kind == "mesh")
 
 
 def modal_bodies(layout: Layout) -> tuple[BodyLayout, ...]:
-    """The bodies with coordinates of shapes, in the order of `Row.modal`."""
+    """The bodies with coordinates of shapes, in the order of `Rows.modal`."""
     return tuple(body for body in layout.bodies if body.kind in ("ritz", "reduced"))
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.analyses.recorder import Layout, Row
+from maggi.analyses.recorder import Layout, Rows
 from maggi.model.errors import ModelError
 from maggi.model.simulation import QUANTITIES
 
@@ -53,12 +53,14 @@ class MemoryRecorder:
             ) from error
         self._buffer = RowBuffer(layout, self._columns)
 
-    def write(self, row: Row) -> None:
-        """Keep a row."""
+    def write(self, rows: Rows) -> None:
+        """Keep rows."""
         assert self._buffer is not None, "begin() comes first"
-        self._buffer.append(row)
-        if self._buffer.full:
-            self._commit()
+        taken = 0
+        while taken < len(rows.time):
+            taken += self._buffer.append(rows, taken)
+            if self._buffer.full:
+                self._commit()
 
     def end(self, status: str) -> None:
         """Take over the rows still waiting and note the status."""

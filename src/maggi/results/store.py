@@ -13,7 +13,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from maggi.analyses.recorder import Layout, Row
+from maggi.analyses.recorder import Layout, Rows
 from maggi.model.errors import ModelError, SimulationError
 from maggi.model.simulation import QUANTITIES
 
@@ -82,15 +82,17 @@ class FileRecorder:
                 f"cannot create {self.path}: {_reason(error)}", remedy="choose another file with -o"
             ) from error
 
-    def write(self, row: Row) -> None:
-        """Keep a row; the first is on the disk at once, the others within a second."""
+    def write(self, rows: Rows) -> None:
+        """Keep rows; the first are on the disk at once, the others within a second."""
         assert self._buffer is not None, "begin() comes first"
-        self._buffer.append(row)
-        if self.rows == 0:
-            self._commit()
-            self._take_own_name()
-        elif self._buffer.full or time.monotonic() - self._flushed > FLUSH_SECONDS:
-            self._commit()
+        taken = 0
+        while taken < len(rows.time):
+            taken += self._buffer.append(rows, taken)
+            if self.rows == 0:
+                self._commit()
+                self._take_own_name()
+            elif self._buffer.full or time.monotonic() - self._flushed > FLUSH_SECONDS:
+                self._commit()
 
     def end(self, status: str) -> None:
         """Write what is still waiting, note the status and close; without a single row nothing is left behind."""

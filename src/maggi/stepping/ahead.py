@@ -109,6 +109,6 @@ def compile_step(claims: str) -> None:
     dense_rows(system, system.start, 0.0)
     (Path(claims) / ROWS).touch()
     stepper = Stepper(system, 0.9, 1e-8, 1.0, 1.0)
-    share(compilations(stepper.small, stepper.trial, stepper.work, stepper.state).items())
+    share(compilations(stepper.small, stepper.trial, stepper.work, stepper.state, stepper.record).items())
     folder = Path(os.environ["NUMBA_CACHE_DIR"])
     (folder / MARKER).touch()

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from maggi.bodies.tables import MESH, RITZ, BodyTable, MotionState
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
+from maggi.linalg.table import packed
 from maggi.projection.relative_motion import new_joint_poses, new_tree_work
 from maggi.projection.relative_system import RelativeSystem
 from maggi.system.dense import new_attachments, new_row_values, new_rows, velocity_scale
 from maggi.system.system import System
 
-from .tables import HIGHEST_ORDER, LINKS, Instant, SmallSystem, StepState, StepVectors, StepWork
+from .tables import HIGHEST_ORDER, LINKS, Instant, Record, SmallSystem, StepState, StepVectors, StepWork
 
 Array = NDArray[np.float64]
+
+RECORD_BYTES = 1 << 20  # of instants that are kept before something is made of them
 
 
 def small_system(system: System, relative: RelativeSystem) -> SmallSystem:
@@ -46,7 +51,7 @@ def copy_motion(motion: MotionState) -> MotionState:
 
 def new_instant(system: System, least_speed: float, least_acceleration: float) -> Instant:
     """The initial pose, at rest; the leasts keep residuals finite where nothing moves."""
-    return Instant(
+    instant = Instant(
         now=system.start.copy(),
         attachments=new_attachments(system.bodies.attachment_body.size),
         rows=new_rows(system),
@@ -55,7 +60,18 @@ def new_instant(system: System, least_speed: float, least_acceleration: float) -
         power=np.zeros(3),
         work=np.zeros(4),
         scales=np.array([system.size, least_speed, least_acceleration, least_speed, least_acceleration]),
+        residuals=np.zeros(3),
+        counts=np.zeros(2, dtype=np.int64),
+        flat=np.empty(0),
     )
+    instant, flat = packed(instant)
+    return replace(instant, flat=flat)
+
+
+def new_record(instant: Instant, most: int) -> Record:
+    """Room for instants, not for more than `most`."""
+    count = max(1, min(most, RECORD_BYTES // instant.flat.nbytes))
+    return Record(np.empty((count, instant.flat.size)), np.zeros(count, dtype=np.int64), np.zeros(4, dtype=np.int64))
 
 
 def new_state(system: System, relative: RelativeSystem, instant: Instant) -> StepState:

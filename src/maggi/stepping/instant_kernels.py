@@ -5,15 +5,16 @@ from __future__ import annotations
 from maggi.bodies.attachment_kernels import attachment_motion
 from maggi.bodies.tables import Array
 from maggi.linalg.compiling import inner_kernel, kernel
-from maggi.linalg.links import call3, call5
+from maggi.linalg.links import Link, call3, call5
 from maggi.projection.range_space import transpose_product
 from maggi.projection.tree_kernels import add_inertia_force, carry_force
 
-from .tables import EVALUATE, ROWS, Instant, SmallSystem, StepState, StepWork
+from .residuals import scaled_residuals
+from .tables import EVALUATE, REPEATED, ROWS, Instant, SmallSystem, StepState, StepWork
 
 
-@kernel
-def show(small: SmallSystem, t: float, state: StepState, work: StepWork, out: Instant) -> None:
+@Link
+def show(small: SmallSystem, state: StepState, work: StepWork, out: Instant, t: float) -> None:
     """The accepted state at time t as an instant: motion, attachments, rows and multipliers in the frames of the model.
 
     What stands in `state.motion` is overwritten.
@@ -34,10 +35,15 @@ def show(small: SmallSystem, t: float, state: StepState, work: StepWork, out: In
         previous[tree.tracked[x]] = state.rows.previous[tree.tracked[x]]
     attachment_motion(small.bodies, out.now, out.attachments)
     call5(small.links[ROWS], small.all_liaisons, small.bodies, out.now, out.attachments, out.rows, t)
+    repeated = 0
     for q in range(small.closure_row.shape[0]):
         out.multipliers[small.closure_row[q]] = vectors.multipliers[q]
         out.active[small.closure_row[q]] = work.active[q]
+        if not work.pivot[q] > 0.0:
+            repeated = 1
+    out.counts[REPEATED] = repeated
     joint_multipliers(small, state, work, out)
+    scaled_residuals(small.all_liaisons, out.rows, out.scales, out.residuals)
 
 
 @kernel

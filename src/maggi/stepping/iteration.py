@@ -9,7 +9,7 @@ import math
 
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.compiling import inner_kernel, kernel
-from maggi.linalg.links import call3
+from maggi.linalg.links import call3, call4
 
 from .evaluation import has_forces
 from .prediction import coefficients, move_blocks
@@ -21,14 +21,22 @@ from .tables import (
     CORRECT,
     ERROR,
     EVALUATE,
+    EVERY,
     FIRST,
     HIGHEST_ORDER,
+    ITERATIONS,
+    KEPT,
+    LAST,
     LOOSE,
+    NUMBER,
     ORDER,
     PREDICT_STEP,
     PRESCRIBE,
     REFRESH,
+    SHOW,
     SINE,
+    Instant,
+    Record,
     SmallSystem,
     StepState,
     StepWork,
@@ -124,11 +132,24 @@ def iterate(
     return NOT_CONVERGED, MAX_ITERATIONS
 
 
+@inner_kernel
+def keep(instant: Instant, record: Record, step: int) -> None:
+    """See `Record.keep`."""
+    k = record.places[KEPT]
+    kept, flat = record.instants[k], instant.flat
+    for i in range(flat.shape[0]):
+        kept[i] = flat[i]
+    record.steps[k] = step
+    record.places[KEPT] = k + 1
+
+
 @kernel
 def advance(
     small: SmallSystem,
     state: StepState,
     work: StepWork,
+    instant: Instant,
+    record: Record,
     phase: int,
     t: float,
     steps: int,
@@ -139,11 +160,11 @@ def advance(
     phase: WHOLE_STEPS, or PREDICT, ITERATE, ACCEPT of a single step to t + h for mechanisms with meshed bodies,
     whose back-substitutions come between. By what polynomial the first step predicts is in `flags`; each that follows
     takes one more, up to HIGHEST_ORDER. With a BOUND the steps end where one makes a larger local error, which is not accepted, and
-    where they could be twice as long.
+    where they could be twice as long. `record` says which of whole steps end with an instant to keep, for which it has room.
     """
     bound = work.numbers[BOUND] if phase == WHOLE_STEPS else 0.0
     c, links = coefficients(work), small.links
-    total = 0
+    total, since, cost = 0, 0, 0  # corrections in all; steps since an instant was kept, and their corrections
     for k in range(steps):
         end = t + (k + 1) * c.h
         if phase == WHOLE_STEPS or phase == PREDICT:
@@ -155,6 +176,7 @@ def advance(
         if phase == WHOLE_STEPS or phase == ITERATE:
             reason, corrections = iterate(small, state, work, c, end, tolerance)
             total += corrections
+            cost += corrections
             if reason != CONVERGED:
                 return reason, k, total
         if bound > 0.0:
@@ -166,6 +188,15 @@ def advance(
         if phase == WHOLE_STEPS or phase == ACCEPT:
             call3(links[ACCEPT_STEP], small, state, work, end)
             work.flags[ORDER] = min(work.flags[ORDER] + 1, HIGHEST_ORDER)
+        if phase == WHOLE_STEPS and record.places[EVERY] > 0:
+            since += 1
+            record.places[NUMBER] += 1
+            number = record.places[NUMBER]
+            if number % record.places[EVERY] == 0 or number == record.places[LAST]:
+                call4(links[SHOW], small, state, work, instant, end)
+                instant.counts[ITERATIONS] = (2 * cost + since) // (2 * since)
+                since, cost = 0, 0
+                keep(instant, record, number)
         if bound > 0.0 and work.flags[CALM] >= CALM_STEPS:
             return COULD_BE_LONGER, k + 1, total
     return CONVERGED, steps, total

@@ -35,9 +35,11 @@ from .tables import (
     PRESCRIBE,
     REFRESH,
     ROWS,
+    SHOW,
     SPRING_COEFFICIENTS,
     SPRING_FORCES,
     Instant,
+    Record,
     SmallSystem,
     StepState,
     StepWork,
@@ -54,32 +56,37 @@ STAGES = {
 
 
 def link(
-    small: SmallSystem, state: StepState, work: StepWork, instant: Instant, announce: Callable[[str], None]
+    small: SmallSystem,
+    state: StepState,
+    work: StepWork,
+    instant: Instant,
+    record: Record,
+    announce: Callable[[str], None],
 ) -> None:
     """Fill `small.links` with the stages that the mechanism needs, and have them and their callers compiled.
 
     Where a second process is at it, what that has not begun is compiled here, from the end, and the rest waited for.
     """
     ahead.announce(announce)
-    ahead.share(reversed(compilations(small, state, work, instant).items()))
+    ahead.share(reversed(compilations(small, state, work, instant, record).items()))
     ahead.finish()
     for place, stage in _wanted(small).items():
         small.links[place] = stage.address(small, state, work)
+    small.links[SHOW] = show.address(small, state, work, instant)
     small.links[ROWS] = all_rows.address(small.closures, small.step_bodies, state.motion, state.attachments, state.rows)
 
 
 def compilations(
-    small: SmallSystem, state: StepState, work: StepWork, instant: Instant
+    small: SmallSystem, state: StepState, work: StepWork, instant: Instant, record: Record
 ) -> dict[str, Callable[[], object]]:
     """What is to be compiled for a mechanism, by name, in the order of its use."""
     number, integer = types.float64, types.int64
-    of_small, of_state, of_work, of_instant = (numba_type(table) for table in (small, state, work, instant))
+    tables = (numba_type(table) for table in (small, state, work, instant, record))
     stages = {stage.kernel.__name__: partial(stage.address, small, state, work) for stage in _wanted(small).values()}
-    steps = of_small, of_state, of_work, integer, number, integer, number
     return {
         **stages,
-        "advance": partial(cast(Any, advance).compile, steps),
-        "show": partial(cast(Any, show).compile, (of_small, number, of_state, of_work, of_instant)),
+        "advance": partial(cast(Any, advance).compile, (*tables, integer, number, integer, number)),
+        "show": partial(show.address, small, state, work, instant),
     }
 
 

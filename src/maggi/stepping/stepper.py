@@ -15,20 +15,19 @@ from maggi.bodies.small_bodies import body_mass
 from maggi.bodies.tables import MESH, RITZ
 from maggi.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha, instantaneous
 from maggi.model.errors import SimulationError
-from maggi.projection.redundancy import least_norm, left_null_space
 from maggi.projection.relative_motion import relative_motion
 from maggi.projection.relative_system import RelativeSystem, relative_system
 from maggi.system.dense import dense_rows
 from maggi.system.system import System
 
 from . import iteration
-from .allocate import elastic_compliances, geometric_metric, new_instant, new_state, new_work, small_system
+from .allocate import elastic_compliances, new_instant, new_record, new_state, new_work, small_system
 from .failures import almost_flat, why_undefined
 from .instant_kernels import show, to_model
 from .linking import link
 from .policy import MOST, SolvePolicy
-from .residuals import local_error, scaled_residuals
-from .tables import BEST, BOUND, CALM, ERROR, HIGHEST_ORDER, ORDER
+from .residuals import local_error
+from .tables import BEST, BOUND, CALM, ERROR, EVERY, HIGHEST_ORDER, LAST, NUMBER, ORDER
 
 if TYPE_CHECKING:
     from .mesh_groups import MeshGroup
@@ -38,6 +37,7 @@ Array = NDArray[np.float64]
 # The tolerance is for positions, relative to the size, and this many times as large for nodal accelerations: one more
 # back-substitution in smooth motion changes neither (see docs/decisions.md).
 FORCE_SHARE = 1e3
+MOST_KEPT = 256  # instants
 SETTLE = 10  # steps after which displacements of meshes are put on mean axes again: round-off by then, and below it
 
 
@@ -83,6 +83,7 @@ class Stepper:
         self.state = new_instant(system, least_speed, least_acceleration)
         self.trial = new_state(system, self.relative, self.state)
         self.tried = new_instant(system, least_speed, least_acceleration)
+        self.record = new_record(self.state, 1 if (system.bodies.kind == MESH).any() else MOST_KEPT)
         self.work = new_work(system, self.relative)
         self.mesh_groups = _mesh_groups(system, self.relative)
         self.meshes = sorted((m for group in self.mesh_groups for m in group.meshes), key=lambda mesh: mesh.index)
@@ -94,7 +95,6 @@ class Stepper:
         self._rho_inf = rho_inf
         self._tolerance = tolerance
         self._announce = announce
-        self._metric: Array | None = None  # where rows repeat each other
         self._alike = 0  # how many accelerations before the last belong to the same step size
         # power (W) that damping of the meshes took at the last instant whose dissipation is in the balance, and the step
         # (s) made since
@@ -128,7 +128,7 @@ class Stepper:
 
     def link(self) -> None:
         """Have the stages of the step compiled, or loaded; those that a second process compiles are waited for."""
-        link(self.small, self.trial, self.work, self.state, self._announce)
+        link(self.small, self.trial, self.work, self.state, self.record, self._announce)
 
     def start_accelerations(self, t: float) -> None:
         """True accelerations and liaison forces of the present state (Eq. T10), the algorithmic ones set equal."""
@@ -159,7 +159,7 @@ class Stepper:
 
     def _show(self, t: float) -> None:
         """Renew `state`, what the accepted state at time t looks like in the frames of the model."""
-        show(self.small, t, self.trial, self.work, self.state)
+        show(self.small, self.trial, self.work, self.state, t)
 
     def advance(self, t: float, steps: int) -> int:
         """Up to `steps` steps of the prepared size from time t; returns how many were done.
@@ -185,6 +185,14 @@ class Stepper:
         self._alike += done
         self._ended(t, done, steps)
         return int(done)
+
+    def keep(self, number: int, every: int, last: int) -> None:
+        """From now on `record` gets the instant after every so many nominal steps (0: none) and after the last, where all bodies are small.
+
+        number : of the nominal steps so far. Until there is no more room; a step that fails counts as none.
+        """
+        places = self.record.places
+        places[NUMBER], places[EVERY], places[LAST] = number, every, last
 
     def bound(self, error: float) -> None:
         """The local error that a step may make, over the mechanism's size; 0 to accept whatever it is."""
@@ -214,7 +222,9 @@ class Stepper:
         work.flags[ORDER] = min(self._alike, HIGHEST_ORDER)
         if self.meshes:  # whose nodal accelerations are predicted by a line
             work.flags[BEST] = 1
-        reason, done, corrections = iteration.advance(self.small, self.trial, work, phase, t, steps, self._tolerance)
+        reason, done, corrections = iteration.advance(
+            self.small, self.trial, work, self.state, self.record, phase, t, steps, self._tolerance
+        )
         return reason, done, corrections
 
     def _account(self) -> None:
@@ -323,23 +333,6 @@ class Stepper:
         """Energy (J) that damping has taken up to the present."""
         self._account()
         return float(self.trial.work[1])
-
-    def residuals(self) -> Array:
-        """Scaled liaison residuals at position, velocity and acceleration level of the last step, (3,)."""
-        out = np.zeros(3)
-        scaled_residuals(self.system.liaisons, self.state.rows, self.state.scales, out)
-        return out
-
-    def multipliers(self) -> tuple[Array, NDArray[np.bool_]]:
-        """λ (r,) of the present state, of least norm where rows repeat each other, and which are unique (T11)."""
-        system, state = self.system, self.state
-        r = len(self.relative.closures.row)
-        if (self.work.pivot[:r] > 0.0).all():
-            return state.multipliers, np.ones(system.rows, dtype=np.bool_)
-        if self._metric is None:
-            self._metric = geometric_metric(system)
-        Z = left_null_space(system.liaisons, system.bodies, state.rows.A, self._metric, state.active, system.size)
-        return least_norm(system.liaisons, Z, state.multipliers, system.size)
 
     def failure(self, t: float) -> SimulationError:
         """Why the iteration of the step to time t did not converge, as a message."""

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from maggi.bodies.motions import MotionTable
 from maggi.bodies.tables import Array, AttachmentState, BodyTable, IntArray, MotionState
@@ -11,10 +15,12 @@ from maggi.liaisons.tables import LiaisonState, LiaisonTable
 from maggi.linalg.table import Table
 from maggi.projection.tree_tables import JointPoses, Tree, TreeWork
 
+Number = TypeVar("Number", np.float64, np.int64)
+
 # What stands where in SmallSystem.links: the stages of a step, and what only some mechanisms need, 0 where not.
 EVALUATE, REFRESH, CORRECT, ACCEPT_STEP, PREDICT_STEP = 0, 1, 2, 3, 4
 PRESCRIBE, BLOCK_COMPLIANCES, BLOCK_FORCES, BLOCK_POWER, ROWS, LOADS = 5, 6, 7, 8, 9, 10
-SPRING_COEFFICIENTS, ADD_SPRINGS, SPRING_FORCES, LINKS = 11, 12, 13, 14
+SPRING_COEFFICIENTS, ADD_SPRINGS, SPRING_FORCES, SHOW, LINKS = 11, 12, 13, 14, 15
 
 HIGHEST_ORDER = 5  # of the polynomials that a step is predicted by, and so the number of differences kept
 
@@ -27,6 +33,11 @@ FIRST, ORDER, CALM, BEST, STEADY = 0, 1, 2, 3, 4
 # bodies takes; the local error that a step may make, 0 for steps of one size, and the one that the last has made; what
 # dependent rows are off by.
 SINE, GIVEN_POWER, TAKEN_POWER, BOUND, ERROR, LOOSE = 0, 1, 2, 3, 4, 5
+
+# Instant.counts: what the last step has cost, whether rows repeat each other. Record.places: how many instants are kept, the nominal step that the
+# next one is, how many steps there are between kept instants (0 to keep none), the last nominal step, which is kept in any case.
+ITERATIONS, REPEATED = 0, 1
+KEPT, NUMBER, EVERY, LAST = 0, 1, 2, 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +80,7 @@ class Instant(Table):
     power (3,): energy stored in springs (J), power of dampers and of loads (W). work (4,): work of drivers, loads and
     prescribed frames and energy dissipated (J), and their present rates (W).
     scales (5,): the mechanism's size (m), speed (m/s), acceleration (m/s²), and the least of the last two.
+    residuals (3,): see `scaled_residuals`. counts (2,): see above. flat: the memory of all of these, one behind the other.
     """
 
     now: MotionState
@@ -79,6 +91,52 @@ class Instant(Table):
     power: Array
     work: Array
     scales: Array
+    residuals: Array
+    counts: IntArray
+    flat: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Record(Table):
+    """Instants that were kept on the way, as many as there is room for.
+
+    instants (k, w): the memory of an `Instant` each; steps (k,): which nominal steps they end. places (4,): see above.
+    """
+
+    instants: Array
+    steps: IntArray
+    places: IntArray
+
+    @property
+    def kept(self) -> int:
+        """How many instants there are."""
+        return int(self.places[KEPT])
+
+    @property
+    def room(self) -> int:
+        """For how many more there is room."""
+        return len(self.steps) - self.kept
+
+    def keep(self, instant: Instant, step: int) -> None:
+        """Keep an instant that ends a nominal step."""
+        k = self.kept
+        self.instants[k] = instant.flat
+        self.steps[k] = step
+        self.places[KEPT] = k + 1
+
+    def last_step(self) -> int:
+        """The nominal step of the last instant, −1 where there is none."""
+        return int(self.steps[self.kept - 1]) if self.kept else -1
+
+    def values(self, instant: Instant, array: NDArray[Number]) -> NDArray[Number]:
+        """What one of the arrays of `instant` was at every instant kept (k, …), a view."""
+        first = (array.__array_interface__["data"][0] - instant.flat.__array_interface__["data"][0]) // 8
+        part = self.instants[: self.kept, first : first + array.size]
+        return part.view(array.dtype).reshape(self.kept, *array.shape)
+
+    def clear(self) -> None:
+        """Forget them."""
+        self.places[KEPT] = 0
 
 
 @dataclass(frozen=True, eq=False)
