@@ -74,7 +74,7 @@ def run(model, recorder, progress, *, stop=None):
             except KeyboardInterrupt:
                 recorder.end("interrupted")
                 raise
-        recorder.write(row)
+        recorder.write(row.rows())
         progress.advance(step, ROWS - 1, row.time, "1 iteration")
     recorder.end(status)
     return RunSummary()

@@ -375,13 +375,15 @@ class _Run:
 
     def _loop(self, march: March, simulation: Simulation, steps: int, every: int) -> float:
         """Go on to the end; returns the seconds that went into rows."""
-        done, writing = 0, 0.0
+        done, last, writing = 0, 0, 0.0  # last: the nominal step of the last row
         shown = time.perf_counter()
         try:
             while done < steps:
                 done += march.advance(done, steps, every)
-                if done == next_row(done - 1, steps, every) and march.record.last_step() != done:
+                last = max(last, march.record.last_step())
+                if done > last and done == next_row(done - 1, steps, every):
                     self._snapshots.take(done)
+                    last = done
                 now = time.perf_counter()
                 due = now - shown > SHOW_SECONDS or done == steps
                 if due or not march.record.room:

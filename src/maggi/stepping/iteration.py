@@ -164,7 +164,7 @@ def advance(
     """
     bound = work.numbers[BOUND] if phase == WHOLE_STEPS else 0.0
     c, links = coefficients(work), small.links
-    total, since, cost = 0, 0, 0  # corrections in all; steps since an instant was kept, and their corrections
+    total, corrections = 0, 0
     for k in range(steps):
         end = t + (k + 1) * c.h
         if phase == WHOLE_STEPS or phase == PREDICT:
@@ -176,7 +176,6 @@ def advance(
         if phase == WHOLE_STEPS or phase == ITERATE:
             reason, corrections = iterate(small, state, work, c, end, tolerance)
             total += corrections
-            cost += corrections
             if reason != CONVERGED:
                 return reason, k, total
         if bound > 0.0:
@@ -189,13 +188,11 @@ def advance(
             call3(links[ACCEPT_STEP], small, state, work, end)
             work.flags[ORDER] = min(work.flags[ORDER] + 1, HIGHEST_ORDER)
         if phase == WHOLE_STEPS and record.places[EVERY] > 0:
-            since += 1
             record.places[NUMBER] += 1
             number = record.places[NUMBER]
             if number % record.places[EVERY] == 0 or number == record.places[LAST]:
                 call4(links[SHOW], small, state, work, instant, end)
-                instant.counts[ITERATIONS] = (2 * cost + since) // (2 * since)
-                since, cost = 0, 0
+                instant.counts[ITERATIONS] = corrections
                 keep(instant, record, number)
         if bound > 0.0 and work.flags[CALM] >= CALM_STEPS:
             return COULD_BE_LONGER, k + 1, total
