@@ -335,7 +335,7 @@ class _Run:
         rows = 1 + -(-steps // every)
         self._recorder.begin(layout(march.system, rows, self._attributes(simulation)))
         self._snapshots.take(0)
-        self._write(simulation.step)
+        self._write(march, simulation.step)
         clock = time.perf_counter()
         writing = self._loop(march, simulation, steps, every)
         timings["steps"] = time.perf_counter() - clock - writing
@@ -387,19 +387,19 @@ class _Run:
                 now = time.perf_counter()
                 due = now - shown > SHOW_SECONDS or done == steps
                 if due or not march.record.room:
-                    self._write(simulation.step)
+                    self._write(march, simulation.step)
                     writing += time.perf_counter() - now
                 if due:
                     shown = now
                     self._progress.advance(done, steps, done * simulation.step, march.note())
         finally:  # whatever was reached is kept
-            self._write(simulation.step)
+            self._write(march, simulation.step)
         return writing
 
-    def _write(self, step: float) -> None:
-        rows = self._snapshots.rows(step)
-        if not len(rows.time):
+    def _write(self, march: March, step: float) -> None:
+        if not march.record.kept:
             return
+        rows = self._snapshots.rows(step)
         self._residuals = np.maximum(self._residuals, rows.residuals.max(axis=0))
         self._energies.append(rows.energy)
         self._recorder.write(rows)

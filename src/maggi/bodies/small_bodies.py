@@ -5,6 +5,8 @@ Those of rigid bodies are a few products of small arrays, for which nothing need
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from maggi.linalg.vectors import cross
@@ -65,10 +67,9 @@ class SmallBodyEnergies:
         origin (m, b, 3), rotation (m, b, 3, 3), e, v (m, n): as in `MotionState`, m instants.
         """
         out = np.zeros((len(v), 4))
-        t = v[:, self._twists]
-        out[:, 0] = 0.5 * (t * (self._M @ t[..., None])[..., 0]).sum(axis=(1, 2))
-        out[:, 2] = -(origin[:, self._rigid] * self._weight).sum(axis=(1, 2))
-        out[:, 2] -= (rotation[:, self._rigid] * self._leverage).sum(axis=(1, 2, 3))
+        t = np.ascontiguousarray(v[:, self._twists])
+        out[:, 0] = 0.5 * _sums(t * (self._M @ t[..., None])[..., 0])
+        out[:, 2] = -_sums(origin[:, self._rigid] * self._weight) - _sums(rotation[:, self._rigid] * self._leverage)
         for b in self._ritz:
             for k in range(len(v)):
                 out[k] += self._of_ritz(b, origin[k, b], rotation[k, b], e[k], v[k])
@@ -84,3 +85,8 @@ class SmallBodyEnergies:
         deformed_inertia(table, b, elastic, S, J)
         kinetic, strain = 0.5 * v @ body_mass(table, b, elastic) @ v, 0.5 * elastic @ k @ elastic
         return np.array([kinetic, strain, -gravity @ (table.mass[b] * origin + rotation @ S), v[6:] @ D @ v[6:]])
+
+
+def _sums(values: Array) -> Array:
+    """Of all but the first axis, (m,): in the same order, to the last bit, however many instants there are."""
+    return np.asarray(np.ascontiguousarray(values.reshape(len(values), math.prod(values.shape[1:]))).sum(axis=1))
