@@ -21,10 +21,11 @@ AXIS = [0.0, 0.0, 1.0]
 
 @dataclass
 class FourBars:
-    """The system, and how far its rods are from parallel (rad) at the end of a run."""
+    """The system, how far its rods are from parallel (rad) at the end of a run, and what has it store what our results hold."""
 
     peer: Peer
     spread: Callable[[], float]
+    watch: Callable[[], None]
 
 
 def four_bars(windows: int, *, full: bool) -> list[FourBars]:
@@ -78,4 +79,21 @@ def _four_bars(windows: int, kind: str, full: bool) -> FourBars:
         along = np.array([output(rod, kind, [0.0, 0.0, 0.0]).reshape(3, 3)[:, 0] for rod in rods])
         return float(np.linalg.norm(np.cross(along, along[0]), axis=1).max())
 
-    return FourBars(Peer(kind, mbs, corner), spread)
+    def watch() -> None:
+        from exudyn.utilities import SensorBody, SensorObject
+
+        kinds = exudyn.OutputVariableType
+        of_body = (kinds.Position, kinds.RotationMatrix, kinds.Velocity, kinds.AngularVelocity)
+        joints = [k for k in range(mbs.systemData.NumberOfObjects()) if "Joint" in mbs.GetObject(k)["objectType"]]
+        for body in (*rods, *couplers):
+            for place, wanted in (([0.0, 0.0, 0.0], of_body), ([0.5, 0.0, 0.0], of_body)):
+                for what in wanted:
+                    mbs.AddSensor(
+                        SensorBody(bodyNumber=body, localPosition=place, outputVariableType=what, storeInternal=True)
+                    )
+        for joint in joints:
+            for what in (kinds.ForceLocal, kinds.TorqueLocal):
+                mbs.AddSensor(SensorObject(objectNumber=joint, outputVariableType=what, storeInternal=True))
+        mbs.Assemble()
+
+    return FourBars(Peer(kind, mbs, corner), spread, watch)

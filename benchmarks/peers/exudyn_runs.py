@@ -79,10 +79,10 @@ class Peer:
     iterations: float = 0.0  # Newton iterations of a step in the last run
     jacobians: float = 0.0
 
-    def run(self, h: float, steps: int, every: int = 0) -> float:
+    def run(self, h: float, steps: int, every: int = 0, file: str = "") -> float:
         """Seconds of a step (s) of the run from t = 0; setting up the solver does not count.
 
-        every : keep the point after every so many steps for `path`. Raises RuntimeError where Exudyn fails.
+        every : have sensors, and the point for `path`, stored after every so many steps. file : write its solution file as often. Raises RuntimeError where Exudyn fails.
         """
         exudyn = load()
         assert exudyn is not None
@@ -90,6 +90,9 @@ class Peer:
         options = self._options(exudyn, h, steps)
         options.solution.sensors.active = every > 0
         options.solution.sensors.writePeriod = every * h
+        options.solution.file.write = bool(file)
+        if file:
+            options.solution.file.name, options.solution.file.writePeriod = file, every * h
         implicit = chosen.method == "GeneralizedAlpha"
         solver = exudyn.MainSolverImplicitSecondOrder() if implicit else exudyn.MainSolverExplicit()
         done = False

@@ -121,11 +121,18 @@ def null_space(
 
 @inner_kernel
 def _orthonormalise(Zt: Array, last: int) -> None:
-    """Make row `last` orthogonal to those before it, twice, since once leaves round-off, and of length one."""
+    """Make row `last` orthogonal to those before it, and of length one.
+
+    Once more where that takes away more than half of it, and so leaves round-off (twice is enough: Parlett, Kahan).
+    """
     row = Zt[last]
+    length = math.sqrt(inner(row, row))
     for _ in range(2):
+        before = length
         for k in range(last):
             add_multiple(-inner(Zt[k], row), Zt[k], row)
-    length = math.sqrt(inner(row, row))
+        length = math.sqrt(inner(row, row))
+        if length > 0.5 * before:
+            break
     for i in range(row.shape[0]):
         row[i] /= length

@@ -13,7 +13,9 @@ from maggi.model.errors import SimulationError
 from .contract import Column
 
 MOST_ROWS = 4096
-MOST_BYTES = 8 << 20
+# Of memory: what many small rows may take, since handing them on costs something for each of hundreds of columns, and
+# what few large ones may.
+MOST_BYTES, BYTES_OF_LARGE, LARGE_ROW = 32 << 20, 8 << 20, 64 << 10
 
 _WHOLE = (
     "time", "origin", "rotation", "position", "attachment_rotation", "velocity", "angular_velocity",
@@ -39,7 +41,8 @@ class RowBuffer:
         self._columns = columns
         self._count = 0
         row_bytes = sum(column.row_bytes for column in columns)
-        self.capacity = max(1, min(MOST_ROWS, layout.rows, MOST_BYTES // row_bytes))
+        most_bytes = MOST_BYTES if row_bytes < LARGE_ROW else BYTES_OF_LARGE
+        self.capacity = max(1, min(MOST_ROWS, layout.rows, most_bytes // row_bytes))
         shapes = _field_shapes(layout)
         used = {(column.field, column.part) for column in columns}
         self._whole: dict[str, NDArray[Any]] = {

@@ -19,6 +19,7 @@ from maggi.model.simulation import QUANTITIES
 
 from .buffer import RowBuffer
 from .contract import FORMAT, Column, check_names, columns, constants, groups, head
+from .growing import GrowingTable
 from .space import Reservation
 
 FLUSH_SECONDS = 1.0
@@ -58,7 +59,7 @@ class FileRecorder:
         self._text = text
         self._part = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
         self._file: Any = None
-        self._tables: list[Any] = []
+        self._tables: list[GrowingTable] = []
         self._space: Reservation
         self._buffer: RowBuffer | None = None
         self._flushed = 0.0
@@ -126,10 +127,9 @@ class FileRecorder:
         if end > self.rows:
             blocks = self._buffer.blocks()
             try:
-                self._space.grow(sum(_growth(table, end) for table in self._tables))
+                self._space.grow(sum(table.growth(self.rows, end) for table in self._tables))
                 for table, (_, values) in zip(self._tables, blocks, strict=True):
-                    table.resize(end, axis=0)
-                    table[self.rows : end] = values
+                    table.append(self.rows, values)
                 self._file.flush()
                 self._set("rows", end)
                 self._file.flush()
@@ -154,7 +154,7 @@ class FileRecorder:
             self._part.replace(self.path)
             self._space.moved(self.path)
             self._file = h5py.File(self.path, "r+", locking="best-effort")
-            self._tables = [self._file[path] for path in paths]
+            self._tables = [GrowingTable(self._file[path]) for path in paths]
         except OSError as error:
             self._broken = True
             raise SimulationError(f"cannot write {self.path}: {_reason(error)}") from error
@@ -171,7 +171,7 @@ class FileRecorder:
             table = self._group(folder).create_dataset(name, data=constant.values)
             table.attrs["unit"], table.attrs["description"] = constant.unit, constant.description
 
-    def _create(self, column: Column, rows: int) -> Any:
+    def _create(self, column: Column, rows: int) -> GrowingTable:
         folder, _, name = column.path.rpartition("/")
         chunk = max(1, min(rows, CHUNK_BYTES // max(column.row_bytes, 1)))
         table = self._group(folder).create_dataset(
@@ -182,7 +182,7 @@ class FileRecorder:
             dtype=column.dtype,
         )
         table.attrs["unit"], table.attrs["description"] = column.unit, column.description
-        return table
+        return GrowingTable(table)
 
     def _group(self, path: str) -> Any:
         """The group, made with its parents if need be; they all keep the order in which things were made."""
@@ -263,13 +263,6 @@ def _head_bytes(layout: Layout, kept: tuple[Column, ...], text: str) -> int:
     texts = len(text.encode()) + sum(len(str(value).encode()) for value in layout.attributes.values())
     tables = len(kept) + len(constants(layout))
     return fixed + texts + 4096 * (tables + len(groups(layout)) + 3 * len(layout.bodies) + 16)
-
-
-def _growth(table: Any, rows: int) -> int:
-    """Bytes by which the file grows when a table gets so many rows: its new chunks and their place in the index."""
-    chunk = table.chunks[0]
-    new = -(-rows // chunk) - -(-table.shape[0] // chunk)
-    return int(new * (8 * np.prod(table.chunks, dtype=np.int64) + 512))
 
 
 def _reason(error: Exception) -> str:
