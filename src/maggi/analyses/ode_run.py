@@ -86,7 +86,7 @@ class OdeRun:
     """
 
     def __init__(
-        self, system: System, simulation: Simulation, notes: list[str], announce: Callable[[str], None]
+        self, system: System, simulation: Simulation, every: int, notes: list[str], announce: Callable[[str], None]
     ) -> None:
         announce("finding the initial state")
         motion = initial_motion(system, notes)
@@ -106,7 +106,7 @@ class OdeRun:
         announce("compiling the equations of motion (once per installation)")
         self._equations = OdeWithWork(Ode(system, motion))
         self._h = simulation.step
-        self._steps = round(simulation.duration / simulation.step)
+        self._steps, self._every = round(simulation.duration / simulation.step), every
         self._evaluations = 0
         # prescribed frames that follow another run have kinks at its instants; without freedoms no error limits the step
         rough = system.motions.recorded_body.size > 0 or len(self._equations.ode.y0) == 0
@@ -123,12 +123,12 @@ class OdeRun:
         self._chart = self._equations.ode.chart
         self._show(0.0, self._equations.z0)
 
-    def advance(self, done: int, steps: int, every: int) -> int:
+    def advance(self, done: int) -> int:
         """Go on towards the next nominal step that makes a row by at least one step of the integrator; how many nominal steps that was.
 
         Raises SimulationError where the motion cannot be continued.
         """
-        until = next_row(done, steps, every)
+        until = next_row(done, self._steps, self._every)
         wanted = until * self._h
         if self._piece is None or self._piece.end < wanted:
             self._piece = self._next()

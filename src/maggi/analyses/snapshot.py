@@ -154,6 +154,7 @@ class Snapshots:
         """Rows of all instants kept, which are forgotten. step (s): the nominal one."""
         record, state = self._run.record, self._run.state
         now, at = state.now, state.attachments
+        del self._of_meshes[record.kept :]  # of an instant that an interrupt kept from being kept
         position = record.values(state, at.position)
         e = record.values(state, now.e)
         coordinate = record.values(state, state.rows.coordinate)[:, self._coordinates, 0]

@@ -210,19 +210,20 @@ def rigid_run(
 
 
 class _Advance:
-    """Nominal steps, halved where the iteration fails."""
+    """Nominal steps, halved where the iteration fails.
 
-    def __init__(self, stepper: Stepper, simulation: Simulation) -> None:
+    every : keep an instant for a row after every so many steps, 0 for none. See `Stepper.keep`.
+    """
+
+    def __init__(self, stepper: Stepper, simulation: Simulation, every: int = 0) -> None:
         self._stepper = stepper
         self._h = simulation.step
+        self._every, self._last = every, round(simulation.duration / simulation.step)
         self._stepper.set_step(self._h)
 
-    def steps(self, first: int, count: int, every: int = 0, last: int = 0) -> None:
-        """Steps first … first + count − 1; raises SimulationError where even 2⁶ parts of one fail.
-
-        every, last: see `Stepper.keep`.
-        """
-        stepper, done = self._stepper, 0
+    def steps(self, first: int, count: int) -> None:
+        """Steps first … first + count − 1; raises SimulationError where even 2⁶ parts of one fail."""
+        stepper, every, last, done = self._stepper, self._every, self._last, 0
         while done < count:
             stepper.keep(first + done, every, last)
             done += stepper.advance((first + done) * self._h, count - done)
@@ -255,10 +256,10 @@ class March(Present, Protocol):
     @property
     def counts(self) -> Counts: ...
 
-    def advance(self, done: int, steps: int, every: int) -> int:
-        """Go on from nominal step `done` towards `steps`; how many steps that was. Raises SimulationError.
+    def advance(self, done: int) -> int:
+        """Go on from nominal step `done`; how many steps that was. Raises SimulationError.
 
-        Where a row is to be, after every so many steps and after the last, it ends, or keeps the instant in `record`.
+        Where a row is to be, it ends, or keeps the instant in `record`.
         """
 
     def note(self) -> str:
@@ -268,13 +269,17 @@ class March(Present, Protocol):
 class _Stepping:
     """A run of generalised-α steps, in chunks that grow until a call's own cost vanishes."""
 
-    def __init__(self, stepper: Stepper, simulation: Simulation) -> None:
+    def __init__(self, stepper: Stepper, simulation: Simulation, every: int) -> None:
         self.system, self.state, self.meshes = stepper.system, stepper.state, stepper.meshes
         self.counts, self.record = stepper.counts, stepper.record
         self._stepper = stepper
-        self._fixed = _Advance(stepper, simulation) if simulation.accuracy is None else None
-        self._adaptive = (
-            None if simulation.accuracy is None else AdaptiveSteps(stepper, simulation.step, simulation.accuracy)
+        self._steps, self._every = round(simulation.duration / simulation.step), every
+        self._adaptive = simulation.accuracy is not None
+        self._through_rows = not (self._adaptive or self.meshes)  # as many as there is room for
+        self._advance = (
+            _Advance(stepper, simulation, every if self._through_rows else 0)
+            if simulation.accuracy is None
+            else AdaptiveSteps(stepper, simulation.step, simulation.accuracy)
         )
         self._chunk = 1
 
@@ -287,18 +292,14 @@ class _Stepping:
         """See `Stepper.dissipated`."""
         return self._stepper.dissipated()
 
-    def advance(self, done: int, steps: int, every: int) -> int:
+    def advance(self, done: int) -> int:
         """See `March.advance`."""
-        count = min(self._chunk, next_row(done, steps, every) - done)
+        until = next_row(done, self._steps, self._every)
+        if self._through_rows:
+            until = min(self._steps, until + (self.record.room - 1) * self._every)
+        count = min(self._chunk, until - done)
         began = time.perf_counter()
-        if self._adaptive is not None:
-            self._adaptive.steps(done, count)
-        elif self._fixed is not None and self.meshes:
-            self._fixed.steps(done, count)
-        elif self._fixed is not None:
-            # through as many rows as there is room for
-            count = min(self._chunk, next_row(done, steps, every) + (self.record.room - 1) * every - done, steps - done)
-            self._fixed.steps(done, count, every, steps)
+        self._advance.steps(done, count)
         if count == self._chunk:
             took = max(time.perf_counter() - began, 1e-6)
             self._chunk = max(1, min(2 * self._chunk, int(self._chunk * CHUNK_SECONDS / took)))
@@ -308,7 +309,7 @@ class _Stepping:
         """See `March.note`."""
         per_step = self.counts.back_substitutions / max(1, self.counts.steps)
         parts = [f"{per_step:.2f} solves a step"] if self.meshes else []
-        if self._adaptive is not None:
+        if self._adaptive:
             parts.append(f"steps of {self._stepper.coefficients.h:.2g} s")
         return ", ".join(parts)
 
@@ -362,14 +363,14 @@ class _Run:
             notes += said
             timings |= took
             clock = time.perf_counter()
-            stepping = _Stepping(stepper, simulation)
+            stepping = _Stepping(stepper, simulation, self._model.outputs.every)
             timings["factorisation"] = time.perf_counter() - clock
             return stepping
         system = _built(self._model, self._progress, timings, dense=True)
         clock = time.perf_counter()
         from .ode_run import OdeRun  # not at the start of every run: it brings much along
 
-        run = OdeRun(system, simulation, notes, self._progress.stage)
+        run = OdeRun(system, simulation, self._model.outputs.every, notes, self._progress.stage)
         timings["start"] = time.perf_counter() - clock
         return run
 
@@ -379,7 +380,7 @@ class _Run:
         shown = time.perf_counter()
         try:
             while done < steps:
-                done += march.advance(done, steps, every)
+                done += march.advance(done)
                 last = max(last, march.record.last_step())
                 if done > last and done == next_row(done - 1, steps, every):
                     self._snapshots.take(done)
