@@ -171,7 +171,7 @@ def found(windows: int) -> dict[str, FourBars]:
         models = four_bars(windows, full=way == WAYS[0])
         best = exudyn_runs.quickest([bars.peer for bars in models], settings, STEP, trial)
         bars = next(bars for bars in models if bars.peer.mbs is best.mbs)
-        result[way] = FourBars(best, bars.spread)
+        result[way] = replace(bars, peer=best)
     return result
 
 

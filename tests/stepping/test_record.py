@@ -6,6 +6,7 @@ from linkages import four_bar
 
 from maggi.stepping import allocate
 from maggi.stepping.allocate import new_instant, new_record
+from maggi.stepping.tables import LAST, NUMBER
 from maggi.system.build import build_system
 
 
@@ -58,3 +59,19 @@ def test_a_record_takes_no_more_memory_than_it_may(instant, monkeypatch):
     assert len(new_record(instant, 7).steps) == 3
     monkeypatch.setattr(allocate, "RECORD_BYTES", 1)
     assert len(new_record(instant, 7).steps) == 1
+
+
+@pytest.mark.parametrize("every", [0, 1, 3])
+@pytest.mark.parametrize("number", [0, 2, 5])
+def test_room_is_looked_at_before_kernels_write(instant, number, every):
+    """As many instants as there are multiples of `every`, and the last step, among the steps."""
+    last, capacity = 10, 3
+    for steps in range(1, last - number + 1):
+        record = new_record(instant, capacity)
+        record.places[NUMBER : LAST + 1] = number, every, last
+        due = sum(n % every == 0 or n == last for n in range(number + 1, number + steps + 1)) if every else 0
+        if due > capacity:
+            with pytest.raises(ValueError, match=f"{due} instants are to be kept"):
+                record.check_room(steps)
+        else:
+            record.check_room(steps)

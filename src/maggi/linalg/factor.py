@@ -32,9 +32,8 @@ Backend = Literal["auto", "rslab", "superlu"]
 # bodies have a tree that is a chain, along which one core works.
 DISSECTION_ORDER = 8_000
 LEAF = 50  # unknowns that the dissection leaves together
-WIDTH = (
-    24  # right sides that are solved at once: with more, the memory that a solve takes grows faster than its time falls
-)
+# Right sides that are solved at once: with more, the memory that a solve takes grows faster than its time falls.
+WIDTH = 24
 # A known solution is found again to about 1e-16 times the condition number; with less than three digits left, the
 # factor is of no use.
 PROBE_TOLERANCE = 1e-3

@@ -26,11 +26,9 @@ class GrowingTable:
         return (-(-until // self._chunk) - -(-rows // self._chunk)) * self._chunk_bytes
 
     def append(self, rows: int, values: NDArray[Any]) -> None:
-        """Put values (m, …) behind the first `rows` rows. Raises OSError or RuntimeError, as the library does."""
+        """Put values (m, …) behind the first `rows` rows, m ≥ 1. Raises OSError or RuntimeError, as the library does."""
         values = np.ascontiguousarray(values, dtype=self._dtype)
         self._id.set_extent((rows + len(values), *self._shape))
-        if values.size == 0:
-            return
         place = self._id.get_space()
         place.select_hyperslab((rows, *(0 for _ in self._shape)), values.shape)
         self._id.write(h5py.h5s.create_simple(values.shape), place, values)

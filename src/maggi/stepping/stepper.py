@@ -178,6 +178,7 @@ class Stepper:
                 numba.set_num_threads(threads)
             self._ended(t, done, steps)
             return done
+        self.record.check_room(steps)
         self.reason, done, corrections = self._kernel(iteration.WHOLE_STEPS, self.coefficients, t, steps)
         self.counts.steps += done
         self.counts.corrections += corrections

@@ -124,6 +124,16 @@ class Record(Table):
         self.steps[k] = step
         self.places[KEPT] = k + 1
 
+    def check_room(self, steps: int) -> None:
+        """Raises ValueError where so many more steps would end with more instants than there is room for: kernels do not look."""
+        number, every, last = self.places[NUMBER], self.places[EVERY], self.places[LAST]
+        if every == 0:
+            return
+        until = number + steps
+        due = until // every - number // every + (number < last <= until and last % every != 0)
+        if due > self.room:
+            raise ValueError(f"{due} instants are to be kept, and there is room for {self.room}")
+
     def last_step(self) -> int:
         """The nominal step of the last instant, −1 where there is none."""
         return int(self.steps[self.kept - 1]) if self.kept else -1
