@@ -104,13 +104,12 @@ def null_space(
     for d in range(r):
         if pivot[d] != 0.0:
             continue
-        # a dependent row less what the independent ones make of it: Λ_II x = Λ_Id
+        # a dependent row less what the independent ones before it make of it: Λ_II x = Λ_Id
         row = Zt[count]
         for i in range(r):
-            low, high = min(i, d), max(i, d)
-            inside = pivot[i] != 0.0 and low >= first[high]
-            row[i] = -matrix[start[high] + low - first[high]] if inside else 0.0
-        solve(first, start, L, pivot, row)
+            inside = i < d and pivot[i] != 0.0 and i >= first[d]
+            row[i] = -matrix[start[d] + i - first[d]] if inside else 0.0
+        solve(first, start, L, pivot, row[:d])
         row[d] = 1.0
         for i in range(r):
             row[i] *= weight[i]
