@@ -12,12 +12,14 @@ from motions import ritz_body
 from maggi.analyses.snapshot import next_row
 from maggi.analyses.transient import run
 from maggi.model.bodies import RigidBody
+from maggi.model.errors import SimulationError
 from maggi.model.geometry import Velocity
 from maggi.model.joints import End, Joint
 from maggi.model.model import Model
 from maggi.model.simulation import QUANTITIES, Outputs, Simulation
 from maggi.results.contract import columns
 from maggi.results.memory import MemoryRecorder
+from maggi.stepping.stepper import Stepper
 
 STEP, STEPS = 1e-3, 61
 
@@ -96,3 +98,22 @@ def test_the_next_row(every: int) -> None:
         done = next_row(done, STEPS, every)
         found.append(done)
     assert found == [*range(0, STEPS, every), STEPS]
+
+
+@pytest.mark.parametrize("stop", [SimulationError("no further"), KeyboardInterrupt()], ids=["failure", "interrupt"])
+def test_what_was_kept_before_a_run_ended_is_written(stop: BaseException, monkeypatch) -> None:
+    advance, calls = Stepper.advance, []
+
+    def stopped(stepper: Stepper, t: float, steps: int) -> int:
+        calls.append(advance(stepper, t, steps))
+        if sum(calls) > 20:
+            raise stop
+        return calls[-1]
+
+    monkeypatch.setattr(Stepper, "advance", stopped)
+    recorder = MemoryRecorder()
+    with pytest.raises(type(stop)):
+        run(replace(four_bar(), simulation=Simulation(STEPS * STEP, STEP)), recorder)
+    results = recorder.results()
+    np.testing.assert_array_equal(results.time[:], np.arange(sum(calls) + 1) * STEP)
+    assert results.status.startswith(("failed: no further", "interrupted"))
