@@ -381,17 +381,17 @@ class _Run:
         try:
             while done < steps:
                 done += march.advance(done)
+                reached = time.perf_counter()
                 last = max(last, march.record.last_step())
                 if done > last and done == next_row(done - 1, steps, every):
                     self._snapshots.take(done)
                     last = done
-                now = time.perf_counter()
-                due = now - shown > SHOW_SECONDS or done == steps
+                due = reached - shown > SHOW_SECONDS or done == steps
                 if due or not march.record.room:
                     self._write(march, simulation.step)
-                    writing += time.perf_counter() - now
+                writing += time.perf_counter() - reached
                 if due:
-                    shown = now
+                    shown = reached
                     self._progress.advance(done, steps, done * simulation.step, march.note())
         finally:  # whatever was reached is kept
             self._write(march, simulation.step)
