@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.analyses.transient import prepare
+from maggi.analyses.prepare import prepare
 from maggi.linalg.threads import one_blas_thread
 from maggi.model.model import Model
 

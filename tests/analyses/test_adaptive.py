@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from maggi.analyses.adaptive import AdaptiveSteps
-from maggi.analyses.transient import prepare, run
+from maggi.analyses.prepare import prepare
+from maggi.analyses.transient import run
 from maggi.model.attachments import Attachment, NamedSet
 from maggi.model.bodies import ElasticBody, RigidBody
 from maggi.model.expression import expression

@@ -10,7 +10,7 @@ import pytest
 from numba import njit
 from numba.core.runtime import _nrt_python, rtsys
 
-from maggi.analyses.transient import prepare
+from maggi.analyses.prepare import prepare
 from maggi.model.attachments import Attachment, NamedSet
 from maggi.model.bodies import CraigBampton, ElasticBody, RigidBody
 from maggi.model.expression import expression

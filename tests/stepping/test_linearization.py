@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from linkages import four_bar
 
+from maggi.analyses.prepare import prepare
 from maggi.analyses.snapshot import Snapshots
-from maggi.analyses.transient import prepare
 from maggi.model.bodies import RigidBody
 from maggi.model.geometry import Pose
 from maggi.model.joints import End, Joint

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from maggi.analyses.transient import prepare
+from maggi.analyses.prepare import prepare
 from maggi.elements.assembly import assemble_solids
 from maggi.model.attachments import Attachment, NamedSet
 from maggi.model.bodies import ElasticBody

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from maggi.analyses.transient import prepare
+from maggi.analyses.prepare import prepare
 from maggi.model.attachments import Attachment, NamedSet
 from maggi.model.bodies import CraigBampton, ElasticBody, RigidBody
 from maggi.model.expression import expression

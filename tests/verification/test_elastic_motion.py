@@ -7,7 +7,7 @@ import pytest
 from elastic_models import GRAVITY, STEEL, bar, revolute, simulate, slider_crank, weld, with_simulation
 from scipy.integrate import solve_ivp
 
-from maggi.analyses.transient import prepare
+from maggi.analyses.prepare import prepare
 from maggi.elements.assembly import assemble_solids
 from maggi.linalg.rotations import rotation_matrix
 from maggi.mesh.parametric import box

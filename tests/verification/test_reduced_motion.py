@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from elastic_models import GRAVITY, STEEL, axis_offset, bar, end, revolute, simulate, slider_crank, weld
 
-from maggi.analyses.transient import started
+from maggi.analyses.prepare import started
 from maggi.model import (
     BeamMesh,
     CraigBampton,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from transient_runs import extrapolated, simulate
 
+from maggi.analyses.prepare import prepare
 from maggi.analyses.snapshot import Snapshots
-from maggi.analyses.transient import prepare
 from maggi.model import Simulation
 from maggi.modelfile import read
 from simeon_crank import (

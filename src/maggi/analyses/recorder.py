@@ -1,4 +1,4 @@
-"""What a transient run hands over, rows by rows, and the protocol of whatever keeps it."""
+"""What a transient run hands over, in rows, and the protocol of whatever keeps it."""
 
 from __future__ import annotations
 
@@ -113,3 +113,13 @@ class Progress(Protocol):
 
     def advance(self, step: int, steps: int, time: float, note: str) -> None:
         """Step `step` of `steps` is done, at `time` (s); called a few times a second."""
+
+
+class Silent:
+    """Progress for nobody."""
+
+    def stage(self, text: str) -> None:
+        """See `Progress.stage`."""
+
+    def advance(self, step: int, steps: int, time: float, note: str) -> None:
+        """See `Progress.advance`."""

@@ -119,10 +119,8 @@ class Snapshots:
         self._liaisons = visible_liaisons(system)
         self._seconds = np.array([entry.reference for entry in self._liaisons], dtype=np.int64)
         self.shared: dict[str, None] = {}  # joints whose forces were not unique at some row, in order
-        self.largest_rotation = (
-            0.0,
-            "",
-        )  # elastic rotation |θ| (rad) of a meshed body's attachment so far, and which it is
+        # elastic rotation |θ| (rad) of a meshed body's attachment so far, and which it is
+        self.largest_rotation = 0.0, ""
         self._meshes: dict[int, MeshStep] = {mesh.index: mesh for mesh in run.meshes}
         self._liaison, self._row, self._end = _shares(system, self._liaisons)
         self._exerting, self._starts = np.unique(self._liaison, return_index=True)
