@@ -11,6 +11,7 @@ from maggi.bodies.attachment_kernels import move
 from maggi.bodies.mesh_body import build_mesh_body
 from maggi.bodies.small_bodies import body_mass
 from maggi.integrators.generalized_alpha import generalized_alpha
+from maggi.linalg.factor import RslabFactor
 from maggi.model.attachments import Attachment, NamedSet
 from maggi.model.bodies import ElasticBody, GivenMotion, RigidBody
 from maggi.model.materials import Damping, Material
@@ -128,3 +129,20 @@ def test_frames_move_by_the_exponential_of_se3():
     for b in (0, 3):
         np.testing.assert_array_equal(out.origin[b], state.origin[b])
         np.testing.assert_array_equal(out.rotation[b], state.rotation[b])
+
+
+def test_what_takes_memory_beside_a_factor_is_kept_small(monkeypatch):
+    """Freed memory is given back before one is made, and responses are solved for one attachment at a time."""
+    told, solve_many = [], RslabFactor.solve_many
+
+    def solved(factor, B):
+        told.append(B.shape[1])
+        return solve_many(factor, B)
+
+    monkeypatch.setattr(RslabFactor, "solve_many", solved)
+    monkeypatch.setattr("maggi.linalg.factor.give_back", lambda: told.append("given back"))
+    description = ElasticBody(BoxMesh((1.0, 0.2, 0.3), (3, 1, 1)), Material(1000.0, 1e7, 0.3), attachments=ENDS)
+    body = build_mesh_body("m", description, ".")
+    system = build_system(Model({"m": description}), meshes={"m": body})
+    assert MeshStep(body, 1, system.bodies, 0).prepare(STEP, *np.zeros((3, system.bodies.block[-1])))
+    assert told == ["given back"] + 2 * len(ENDS) * [6]
