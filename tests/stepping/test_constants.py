@@ -8,10 +8,10 @@ from motions import Motion, mesh_body, rigid_body, ritz_body
 from scipy.linalg import expm
 
 from maggi.bodies.attachment_kernels import move
-from maggi.bodies.mesh_body import build_mesh_body
+from maggi.bodies.mesh_body import MeshBody, build_mesh_body
 from maggi.bodies.small_bodies import body_mass
 from maggi.integrators.generalized_alpha import generalized_alpha
-from maggi.linalg.factor import RslabFactor
+from maggi.linalg.factor import FEW, RslabFactor
 from maggi.model.attachments import Attachment, NamedSet
 from maggi.model.bodies import ElasticBody, GivenMotion, RigidBody
 from maggi.model.materials import Damping, Material
@@ -132,7 +132,7 @@ def test_frames_move_by_the_exponential_of_se3():
 
 
 def test_what_takes_memory_beside_a_factor_is_kept_small(monkeypatch):
-    """Freed memory is given back before one is made, and responses are solved for one attachment at a time."""
+    """Matrices are set aside and freed memory given back before one is made; few responses are solved for at once."""
     told, solve_many = [], RslabFactor.solve_many
 
     def solved(factor, B):
@@ -140,9 +140,12 @@ def test_what_takes_memory_beside_a_factor_is_kept_small(monkeypatch):
         return solve_many(factor, B)
 
     monkeypatch.setattr(RslabFactor, "solve_many", solved)
-    monkeypatch.setattr("maggi.linalg.factor.give_back", lambda: told.append("given back"))
+    for where in ("linalg.factor", "linalg.shifted", "stepping.condensation"):
+        monkeypatch.setattr(f"maggi.{where}.give_back", lambda: told.append("given back"))
+    monkeypatch.setattr(MeshBody, "set_aside", lambda body: told.append("set aside"))
     description = ElasticBody(BoxMesh((1.0, 0.2, 0.3), (3, 1, 1)), Material(1000.0, 1e7, 0.3), attachments=ENDS)
     body = build_mesh_body("m", description, ".")
     system = build_system(Model({"m": description}), meshes={"m": body})
     assert MeshStep(body, 1, system.bodies, 0).prepare(STEP, *np.zeros((3, system.bodies.block[-1])))
-    assert told == ["given back"] + 2 * len(ENDS) * [6]
+    made = ["set aside", "given back", "given back"]
+    assert told == made + len(ENDS) * [FEW, FEW, "set aside", FEW, FEW] + ["given back"]

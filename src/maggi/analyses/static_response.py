@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maggi.bodies.mesh_body import MeshBody
+from maggi.linalg.factor import FEW, solve_rows
 from maggi.stepping.condensation import Condensations
 from maggi.stepping.nodal_kernels import inner_product
 
@@ -29,8 +30,8 @@ class StaticResponse:
         self._factor = shared.factorise(float(shift), 1.0)
         n = body.B.shape[1]
         self.Y = np.empty((n, body.size))
-        for k in range(0, n, 6):  # by attachments, as in `Condensations`
-            self.Y[k : k + 6] = self.displacements(body.B[:, k : k + 6].toarray().T)
+        for k in range(0, n, FEW):
+            self.Y[k : k + FEW] = self.displacements(body.B[:, k : k + FEW].toarray().T)
         W = body.B.T @ self.Y.T
         self.W = 0.5 * (W + W.T)
 
@@ -48,10 +49,7 @@ class StaticResponse:
                 body.K.add_product(row, product)
                 defect -= product
                 axes.project_forces(defect)
-            if len(forces) == 1:
-                steps = self._factor.solve(defects[0])[None]
-            else:
-                steps = np.ascontiguousarray(self._factor.solve_many(defects.T).T)
+            steps = solve_rows(self._factor, defects)
             settled = True
             for row, step in zip(u, steps, strict=True):
                 axes.project(step)

@@ -95,6 +95,9 @@ class BeamInertia:
             s2=self._s2 @ basis,
         )
 
+    def set_aside(self) -> None:
+        """See `MeshInertia.set_aside`: a beam's M is small."""
+
     def factorised(self) -> Factor:
         """See `MeshInertia.factorised`."""
         return factorise(self.matrix)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from maggi.elements.moving_frame import InertiaConstants, contracted
 from maggi.linalg.factor import Factor, factorise
+from maggi.linalg.paged import moved, release
 
 from .freedoms import Freedoms
 from .isotropic_factor import IsotropicFactor
@@ -45,6 +46,7 @@ class IsotropicInertia:
         if self._tied:
             mu = mu[self._order][:, self._order]
             mu.sort_indices()
+        mu = sp.csr_matrix((moved(mu.data), moved(mu.indices), mu.indptr), shape=mu.shape)
         self._mu = mu
         self._nodes = np.ascontiguousarray(nodes[self._order])
         self._weights = np.asarray(mu.sum(axis=1)).ravel()
@@ -80,6 +82,10 @@ class IsotropicInertia:
         """Displacements of the tied nodes from the attachments' freedoms, (3 tied, 6 attachments)."""
         rows = self._freedoms.matrix()[(3 * self._freedoms.tied[:, None] + np.arange(3)).ravel()]
         return rows[:, 3 * self._free :]
+
+    def set_aside(self) -> None:
+        """See `MeshInertia.set_aside`."""
+        release(self._mu.data, self._mu.indices)
 
     def forces(self, u: Array, ud: Array, udd: Array, nodal: Array) -> IsotropicForces:
         """See `MeshInertia.forces`."""

@@ -27,27 +27,43 @@ class RigidColumns:
     @staticmethod
     def of(columns: Array, scale: Array, arm: Array) -> RigidColumns:
         """From the dense columns (nd, 6), of which the first blocks are known to be made of scale and arm."""
-        rest = columns.reshape(-1, 3, 6)[len(scale) :]
-        return RigidColumns(np.ascontiguousarray(scale), np.ascontiguousarray(arm), np.ascontiguousarray(rest))
+        rest = columns.reshape(-1, 3, 6)[len(scale) :].copy()  # no view, which would keep the others
+        return RigidColumns(np.ascontiguousarray(scale), np.ascontiguousarray(arm), rest)
+
+    def dense(self) -> Array:
+        """The matrix itself (nd, 6)."""
+        first, p = self.scale.size, self.arm
+        blocks = np.zeros((first + len(self.rest), 3, 6))
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            blocks[:first, i, i] = self.scale
+            blocks[:first, i, 3 + j] = p[:, k]
+            blocks[:first, i, 3 + k] = -p[:, j]
+        blocks[first:] = self.rest
+        return blocks.reshape(-1, 6)
+
+    def transposed_times(self, x: Array) -> Array:
+        """Its transpose times x (nd,): (6,)."""
+        return np.asarray(_sums(self.scale, self.arm, self.rest, x.reshape(-1, 3)))
 
 
 class MeanAxes:
     """The projections of a floating body: ``P = I − Φ J₆⁻¹ Cᵀ`` of displacements, and Pᵀ of forces.
 
-    inverse (6, 6): J₆⁻¹.
+    Phi, C (nd, 6): Φ and its inertia. inverse (6, 6): J₆⁻¹.
     """
 
     def __init__(self, Phi: RigidColumns, C: RigidColumns, J6: Array) -> None:
-        self._Phi, self._C = Phi, C
+        self.Phi, self.C = Phi, C
         self.inverse = np.ascontiguousarray(np.linalg.inv(J6))
 
     def project(self, x: Array) -> None:
         """``x ← P x``, (nd,)."""
-        self._subtract(self._C, self._Phi, x)
+        self._subtract(self.C, self.Phi, x)
 
     def project_forces(self, force: Array) -> None:
         """``force ← Pᵀ force``, (nd,)."""
-        self._subtract(self._Phi, self._C, force)
+        self._subtract(self.Phi, self.C, force)
 
     def _subtract(self, measure: RigidColumns, out: RigidColumns, x: Array) -> None:
         _subtract(
@@ -63,8 +79,8 @@ class MeanAxes:
 
 
 @kernel
-def _subtract(scale, arm, rest, out_scale, out_arm, out_rest, inverse, x):  # type: ignore[no-untyped-def]
-    """``x −= A J⁻¹ Bᵀ x`` for B of scale, arm, rest and A of out_scale, out_arm, out_rest; x (b, 3)."""
+def _sums(scale, arm, rest, x):  # type: ignore[no-untyped-def]
+    """Bᵀ x (6,) for B of scale, arm, rest; x (b, 3)."""
     first = scale.size
     f0 = f1 = f2 = m0 = m1 = m2 = 0.0
     for n in range(first):
@@ -82,6 +98,14 @@ def _subtract(scale, arm, rest, out_scale, out_arm, out_rest, inverse, x):  # ty
         for i in range(3):
             for j in range(6):
                 total[j] += rest[k, i, j] * x[first + k, i]
+    return total
+
+
+@kernel
+def _subtract(scale, arm, rest, out_scale, out_arm, out_rest, inverse, x):  # type: ignore[no-untyped-def]
+    """``x −= A J⁻¹ Bᵀ x`` for B of scale, arm, rest and A of out_scale, out_arm, out_rest; x (b, 3)."""
+    first = scale.size
+    total = _sums(scale, arm, rest, x)
     g = np.zeros(6)
     for i in range(6):
         for j in range(6):

@@ -52,8 +52,6 @@ class MeshBody:
     freedoms: Freedoms | None
     couplings: tuple[Coupling, ...]
     B: sp.csc_matrix
-    Phi: Array
-    C: Array
     J6: Array
     axes: MeanAxes
     floating: bool
@@ -63,6 +61,21 @@ class MeshBody:
     def size(self) -> int:
         """Number of freedoms."""
         return self.K.order
+
+    @property
+    def Phi(self) -> Array:
+        """Φ (nd, 6), made anew with every call."""
+        return self.axes.Phi.dense()
+
+    @property
+    def C(self) -> Array:
+        """C (nd, 6), made anew with every call."""
+        return self.axes.C.dense()
+
+    def set_aside(self) -> None:
+        """Lets the system take back the memory of M and K until they are next read."""
+        self.K.set_aside()
+        self.inertia.set_aside()
 
     def nodal_displacement(self, u: Array) -> Array:
         """Displacements (n_nodes, 3) of the mesh's nodes, body frame."""
@@ -210,8 +223,6 @@ def _finish(
         freedoms,
         tuple(couplings),
         B,
-        np.ascontiguousarray(Phi),
-        C,
         J6,
         inertia.mean_axes(Phi, C, J6),
         body.motion is None,

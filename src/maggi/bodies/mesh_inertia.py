@@ -39,6 +39,9 @@ class MeshInertia(Protocol):
     def matrix(self) -> sp.csr_matrix:
         """M on the body's freedoms, made anew each time."""
 
+    def set_aside(self) -> None:
+        """Lets the system take back the memory of M until it is next read."""
+
     def forces(self, u: Array, ud: Array, udd: Array, nodal: Array) -> InertiaForces:
         """Of the fields in these arrays, at any time, on the freedoms, `nodal` (nd,)."""
 

@@ -67,7 +67,7 @@ class HeldStatics:
         self._statics = statics
         self._B = B
         self._response = statics.on_support(B.toarray())
-        Phi = statics.body.Phi
+        self._Phi = Phi = statics.body.Phi
         r = B.shape[1]
         border = np.zeros((r + 6, r + 6))
         border[:r, :r] = B.T @ self._response
@@ -80,7 +80,7 @@ class HeldStatics:
     def displacements(self, forces: Array) -> Array:
         """u (nd, k) of forces (nd, k) with Bᵀu = 0."""
         u = self._statics.on_support(forces)
-        return self._held(u, np.vstack([self._B.T @ u, self._statics.body.Phi.T @ forces]))
+        return self._held(u, np.vstack([self._B.T @ u, self._Phi.T @ forces]))
 
     def unit_displacements(self) -> Array:
         """u (nd, r) without forces but at the border, where Bᵀu is the unit matrix: the constraint modes."""
@@ -90,7 +90,7 @@ class HeldStatics:
     def _held(self, u: Array, right: Array) -> Array:
         x = self._columns[:, None] * scipy.linalg.lu_solve(self._border, self._rows[:, None] * right)
         r = self._B.shape[1]
-        return np.asarray(u - self._response @ x[:r] + self._statics.body.Phi @ x[r:])
+        return np.asarray(u - self._response @ x[:r] + self._Phi @ x[r:])
 
 
 def _equilibrium(matrix: Array) -> tuple[Array, Array]:

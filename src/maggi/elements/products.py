@@ -16,6 +16,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from maggi.linalg.compiling import kernel
+from maggi.linalg.paged import empty, release
 from maggi.linalg.shared import SharedPass, inner_pass
 from maggi.linalg.table import Table
 
@@ -55,9 +56,11 @@ class SymmetricBlocks(Table):
         """The triangle of a matrix of 3×3 blocks whose diagonal blocks are all stored, its rows sorted."""
         n = matrix.shape[0] // 3
         parts = 1 if n < SMALL else PARTS
-        indptr, indices, blocks = _upper_triangle(matrix.indptr, matrix.indices, matrix.data)
+        indptr = _upper_rows(matrix.indptr, matrix.indices)
         if indptr[-1] < 0:
             raise ValueError("the matrix lacks diagonal blocks")
+        indices, blocks = empty((indptr[-1],), np.int32), empty((indptr[-1], 3, 3))
+        _copy_upper(matrix.indptr, matrix.indices, matrix.data, indptr, indices, blocks)
         starts = np.searchsorted(indptr, np.linspace(0, indptr[-1], parts + 1)).astype(np.int64)
         starts[0], starts[-1] = 0, n
         ends = np.array([indices[indptr[a] : indptr[b]].max(initial=a - 1) + 1 for a, b in pairwise(starts)])
@@ -77,6 +80,10 @@ class SymmetricBlocks(Table):
     def add_product(self, x: Array, out: Array) -> None:
         """``out += K x``, once."""
         self.product(x, out).add()
+
+    def set_aside(self) -> None:
+        """Lets the system take back the memory of the matrix until it is next read."""
+        release(self.indices, self.blocks)
 
     def diagonal(self) -> Array:
         """The diagonal (3n,)."""
@@ -108,28 +115,30 @@ class Product(Table):
 
 
 @kernel
-def _upper_triangle(indptr: IntArray, indices: IntArray, blocks: Array) -> tuple[IntArray, IntArray, Array]:
+def _upper_rows(indptr: IntArray, indices: IntArray) -> IntArray:
+    """Where the triangle's rows start, (n+1,), the last −1 if a diagonal block is missing."""
     n = indptr.size - 1
-    first = np.empty(n + 1, np.int32)
-    first[0] = 0
+    first = np.zeros(n + 1, np.int32)
     for i in range(n):
         low = indptr[i]
         while low < indptr[i + 1] and indices[low] < i:
             low += 1
         if low == indptr[i + 1] or indices[low] != i:
             first[n] = -1
-            return first, np.empty(0, np.int32), np.empty((0, 3, 3))
+            return first
         first[i + 1] = first[i] + indptr[i + 1] - low
-    chosen = np.empty(first[n], np.int32)
-    values = np.empty((first[n], 3, 3))
-    for i in range(n):
+    return first
+
+
+@kernel
+def _copy_upper(indptr, indices, blocks, first, chosen, values):  # type: ignore[no-untyped-def]
+    for i in range(first.size - 1):
         shift = indptr[i + 1] - first[i + 1]
         for p in range(first[i], first[i + 1]):
             chosen[p] = indices[p + shift]
             for j in range(3):
                 for k in range(3):
                     values[p, j, k] = blocks[p + shift, j, k]
-    return first, chosen, values
 
 
 @inner_pass

@@ -19,6 +19,7 @@ from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from .allocators import give_back  # before rslab is loaded
+from .paged import read_at_first
 
 try:
     import rslab
@@ -34,6 +35,8 @@ DISSECTION_ORDER = 8_000
 LEAF = 50  # unknowns that the dissection leaves together
 # Right sides that are solved at once: with more, the memory that a solve takes grows faster than its time falls.
 WIDTH = 24
+# Right sides of which little memory remains: for each that were ever solved at once rslab keeps six fields.
+FEW = 3
 # A known solution is found again to about 1e-16 times the condition number; with less than three digits left, the
 # factor is of no use.
 PROBE_TOLERANCE = 1e-3
@@ -156,6 +159,17 @@ def factorise(matrix: Any, backend: Backend = "auto") -> Factor:
     return probe.passed(SuperLUFactor(csc, pivoting=True))
 
 
+def solve_rows(factor: Factor, forces: Array) -> Array:
+    """The solutions (m, n) of m right sides, a row each: few at once, after which the factor keeps little to work on."""
+    if len(forces) == 1:
+        return factor.solve(forces[0])[None]
+    rows = np.empty_like(forces)
+    for first in range(0, len(forces), FEW):
+        some = slice(first, first + FEW)
+        rows[some] = factor.solve_many(forces[some].T).T
+    return rows
+
+
 class Pattern:
     """The pattern of symmetric matrices, whose analysis serves any number of factorisations."""
 
@@ -193,7 +207,9 @@ class Prepared:
         if self.analysis is not None:
             give_back()
             try:
-                return self.probe.passed(RslabFactor(self.probe.order, lambda: self.analysis.factor(self.values)))
+                with read_at_first(self.values):
+                    factor = RslabFactor(self.probe.order, lambda: self.analysis.factor(self.values))
+                return self.probe.passed(factor)
             except SingularMatrixError:
                 if self.triangle is None:
                     raise

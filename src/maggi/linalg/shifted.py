@@ -8,6 +8,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from . import paged
+from .allocators import give_back
 from .compiling import kernel
 from .factor import Factor, Pattern
 
@@ -19,11 +21,14 @@ class ShiftedFactors:
     """Factors of ``k₁ M + k₂ K`` for any k₁, k₂.
 
     indptr (n+1,), indices (nnz,), blocks (nnz, 3, 3): the upper triangle of K by rows of 3×3 blocks, the diagonal block
-    first, the others sorted.
+    first, the others sorted. set_aside: called when they have been read and the factor is yet to be made.
     """
 
-    def __init__(self, indptr: IntArray, indices: IntArray, blocks: Array) -> None:
+    def __init__(
+        self, indptr: IntArray, indices: IntArray, blocks: Array, set_aside: Callable[[], None] = lambda: None
+    ) -> None:
         self._triangle = indptr, indices, blocks
+        self._set_aside = set_aside
         self._pattern = Pattern()
 
     def factorise(self, k1: float, mass: Callable[[], sp.csr_matrix], k2: float) -> Factor:
@@ -32,12 +37,20 @@ class ShiftedFactors:
         mass : makes M (3n, 3n), whose entries stand in blocks that K has, its rows sorted. It is not held while the factor
         is made, which is when most memory is needed.
         """
-        return self._pattern.prepare(self._sum(k1, mass(), k2)).factorise()
+        prepared = self._pattern.prepare(self._sum(k1, mass(), k2))
+        self._set_aside()
+        factor = prepared.factorise()
+        del prepared
+        give_back()
+        return factor
 
     def _sum(self, k1: float, M: sp.csr_matrix, k2: float) -> sp.csc_array:
         """The lower triangle by columns, which is the upper one by rows."""
-        first, columns, values = _upper_sum(*self._triangle, k2, M.indptr, M.indices, M.data, k1)
-        if first[-1] < 0:
+        indptr, indices, blocks = self._triangle
+        first = _upper_rows(indptr)
+        columns, values = np.empty(first[-1], np.int32), paged.empty((first[-1],))
+        fits = _upper_sum(indptr, indices, blocks, k2, M.indptr, M.indices, M.data, k1, first, columns, values)
+        if not fits:
             raise ValueError("M has entries where K has none")
         triangle = sp.csc_array((values, columns, first), shape=M.shape)
         triangle.has_canonical_format = True
@@ -45,15 +58,23 @@ class ShiftedFactors:
 
 
 @kernel
-def _upper_sum(indptr, indices, blocks, k2, m_indptr, m_indices, m_data, k1):  # type: ignore[no-untyped-def]
-    """CSR arrays of the upper triangle, the diagonal first; the last of indptr is −1 if M does not fit."""
+def _upper_rows(indptr: IntArray) -> IntArray:
+    """Where the rows of the upper triangle start, entry by entry, (3n+1,)."""
     n = indptr.size - 1
     first = np.zeros(3 * n + 1, np.int32)
     for row in range(n):
         width = 3 * (indptr[row + 1] - indptr[row])
         for i in range(3):
             first[3 * row + i + 1] = first[3 * row + i] + width - i
-    columns, values = np.empty(first[-1], np.int32), np.empty(first[-1])
+    return first
+
+
+@kernel
+def _upper_sum(  # type: ignore[no-untyped-def]
+    indptr, indices, blocks, k2, m_indptr, m_indices, m_data, k1, first, columns, values
+):
+    """Columns and values of the upper triangle, the diagonal first; returns whether M fits."""
+    n = indptr.size - 1
     for row in range(n):
         low = indptr[row]
         for i in range(3):
@@ -73,6 +94,5 @@ def _upper_sum(indptr, indices, blocks, k2, m_indptr, m_indices, m_data, k1):  #
                     values[at] = value
                     at += 1
             if q < last:
-                first[-1] = -1
-                return first, columns, values
-    return first, columns, values
+                return False
+    return True

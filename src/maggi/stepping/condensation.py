@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from maggi.bodies.mesh_body import MeshBody
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
-from maggi.linalg.factor import Factor
+from maggi.linalg.allocators import give_back
+from maggi.linalg.factor import Factor, solve_rows
 from maggi.linalg.shifted import ShiftedFactors
 
 Array = NDArray[np.float64]
@@ -72,7 +73,7 @@ class Condensations:
 
     def __init__(self, body: MeshBody) -> None:
         self._body = body
-        self._factors = ShiftedFactors(body.K.indptr, body.K.indices, body.K.blocks)
+        self._factors = ShiftedFactors(body.K.indptr, body.K.indices, body.K.blocks, body.set_aside)
         self._kept: dict[GeneralizedAlpha, Condensation] = {}
 
     def has(self, c: GeneralizedAlpha) -> bool:
@@ -124,16 +125,18 @@ class Condensations:
             forces[:] = 0.0
             for displacements, force in zip(response[:6], forces, strict=True):
                 body.K.add_product(displacements, force)
+            body.set_aside()
             response[6:] = self._response(factor, forces)
             W_Z[:, columns] = body.B.T @ response[6:].T
         W = 0.5 * (W + W.T)
+        give_back()
         # D = mass M + stiffness K on mean axes, and M = (Ŝ − k₂K)/k₁
         y, z = (d.mass / k1, d.stiffness - d.mass * k2 / k1) if k2 else (0.0, 0.0)
         return Condensation(factor, responses, W, W_Z, y * W + z * W_Z, (y, z))
 
     def _response(self, factor: Factor, forces: Array) -> Array:
         """P Ŝ⁻¹ of forces (6, nd), a row each; (6, nd)."""
-        rows = np.ascontiguousarray(factor.solve_many(forces.T).T)
+        rows = solve_rows(factor, forces)
         if self._body.floating:
             for row in rows:
                 self._body.axes.project(row)

@@ -306,7 +306,7 @@ class MeshStep:
         if self._strain is None:
             self._read_stiffness()
         assert self._strain is not None
-        S = inertia.S0 + self.body.C[:, :3].T @ self.u
+        S = inertia.S0 + self.body.axes.C.transposed_times(self.u)[:3]
         b = self.index
         position = inertia.mass * motion.origin[b] + motion.rotation[b] @ S
         return kinetic, self._strain, -float(gravity @ position)
