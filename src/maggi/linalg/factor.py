@@ -35,7 +35,7 @@ DISSECTION_ORDER = 8_000
 LEAF = 50  # unknowns that the dissection leaves together
 # Right sides that are solved at once: with more, the memory that a solve takes grows faster than its time falls.
 WIDTH = 24
-# Right sides of which little memory remains: for each that were ever solved at once rslab keeps six fields.
+# Right sides after which little memory stays taken: for each of those solved at once a factor keeps some six fields.
 FEW = 3
 # A known solution is found again to about 1e-16 times the condition number; with less than three digits left, the
 # factor is of no use.
