@@ -68,7 +68,7 @@ def test_small_arrays_stay_where_they_are():
 
 
 @pytest.mark.parametrize(
-    "name, error",
+    ("name", "error"),
     [
         ("tempfile.TemporaryFile", OSError(errno.EACCES, "nowhere to write")),
         ("os.posix_fallocate", OSError(errno.ENOSPC, "no room")),

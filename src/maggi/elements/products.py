@@ -25,6 +25,7 @@ IntArray = NDArray[np.int32]
 
 PARTS = 4  # of a triangle's rows; each costs a field to add up
 SMALL = 1000  # nodes below which one part does
+FEW = 20_000  # nodes up to which adding up the parts' fields is not worth waking anyone
 NONE = np.empty(0)  # in place of the vector of a square that is not asked for
 
 
@@ -110,7 +111,7 @@ class Product(Table):
         """``out += K x``; returns vᵀK v, or 0."""
         parts = self.K.squares.size
         _multiply(self, parts)
-        _add_up(self, parts)
+        _add_up(self, parts if self.K.sums.shape[1] > FEW else 1)
         return math.fsum(self.K.squares)
 
 
@@ -202,7 +203,7 @@ def _add_up(of: Product, part: int, parts: int) -> None:
     """``out += `` the sums of all parts, for a part of the nodes."""
     K, out = of.K, of.out.reshape(-1, 3)
     first, last = out.shape[0] * part // parts, out.shape[0] * (part + 1) // parts
-    for k in range(parts):
+    for k in range(K.squares.size):
         low, high = max(first, K.starts[k]), min(last, K.ends[k])
         if low < high:
             _add_field(K.sums[k, low:high], out[low:high])
