@@ -17,6 +17,7 @@ from maggi import __version__
 from maggi.model.errors import ModelError, SimulationError
 
 from .outcome import Outcome, failure
+from .start import collector_off
 
 COMMANDS: Mapping[str, str] = MappingProxyType(
     {name: f"maggi.cli.{name}" for name in ("run", "check", "plot", "export", "schema")}
@@ -62,14 +63,15 @@ class MaggiGroup(click.Group):
         """Run a command and end the process with its exit status."""
         arguments = sys.argv[1:] if args is None else list(args)
         try:
-            ended = super().main(
-                arguments,
-                prog_name or "maggi",
-                complete_var,
-                standalone_mode=False,
-                windows_expand_args=windows_expand_args,
-                **extra,
-            )
+            with collector_off():
+                ended = super().main(
+                    arguments,
+                    prog_name or "maggi",
+                    complete_var,
+                    standalone_mode=False,
+                    windows_expand_args=windows_expand_args,
+                    **extra,
+                )
             sys.stdout.flush()
         except BrokenPipeError:
             ended = _closed_pipe()

@@ -10,6 +10,7 @@ from maggi.model.errors import ModelError
 
 from . import options
 from .outcome import Outcome
+from .start import started
 
 
 @click.command()
@@ -50,6 +51,7 @@ def _plot_results(path: Path, folder: Path) -> list[Path]:
     from maggi.results.read import read
     from maggi.view.plots import plot_results
 
+    started()
     with read(path) as results:
         return plot_results(results, folder, path.stem)
 
@@ -61,6 +63,7 @@ def _plot_model(file: str, overrides: tuple[str, ...], folder: Path) -> list[Pat
     from maggi.analyses.build_scene import build_scene
     from maggi.view.plots import plot_scene
 
+    started()
     try:
         drawn = build_scene(described)
     except ModelError as error:

@@ -14,6 +14,7 @@ from maggi.model.errors import ModelError, SimulationError
 from . import options
 from .outcome import Outcome, Status, failure
 from .progress import Display, display
+from .start import started
 
 if TYPE_CHECKING:
     from maggi.analyses.transient import RunSummary
@@ -69,6 +70,7 @@ def simulate(
         recorder = FileRecorder(path, described.outputs.quantities, described.text)
     except ModelError as error:
         return failure("error", error), None
+    started()
     try:
         summary = run_transient(described, recorder, progress)
     except ModelError as error:
