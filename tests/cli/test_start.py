@@ -12,9 +12,16 @@ from maggi.cli.start import collector_off, started
 
 def test_the_collector_is_on_again_afterwards():
     assert gc.isenabled()
-    with pytest.raises(KeyboardInterrupt), collector_off():
-        assert not gc.isenabled()
-        raise KeyboardInterrupt
+    off = []
+
+    def interrupted():
+        with collector_off():
+            off.append(not gc.isenabled())
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert off == [True]
     assert gc.isenabled()
 
 
