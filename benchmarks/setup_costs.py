@@ -3,7 +3,7 @@
 Limits: of assembly, one copy of the finished arrays; of the factor, the library alone on the same matrix; of memory, the
 factor as the library reports it and the matrices M and K themselves. Memory is that of a process of its own that gets
 ready to run and makes two steps, less what the program takes for the smallest of meshes. Beside it stands what the library
-says it needs at the peak of one factorisation, with the matrices: less is not to be had with it.
+says it needs at the peak of one factorisation, with the matrices beside it.
 """
 
 from __future__ import annotations

@@ -15,10 +15,12 @@ import threading
 from typing import Any
 
 import numpy as np
+from numba import config
 
 from .atomics import add, call_acquire, call_part, call_release, call_yield, exchange, load, store
 from .compiling import inner_kernel, kernel, part_kernel
 
+_settings: Any = config
 MOST = 8  # threads that share a pass: it is bound by memory, and each has to be woken
 # Looks at whether there is something to do before a thread goes to sleep: some 30 µs, from one pass of a step to the next.
 LOOKS = 8_000
@@ -46,7 +48,7 @@ class Team:
             for k, lock in enumerate(self._locks, start=1)
         ]
         for thread in self._threads:
-            thread.start()
+            thread.start()  # the first compiles what they do; until then passes go on without them
 
     def run(self, kernel: int, table: int, parts: int, threads: int) -> None:
         """All parts of a pass, in as many threads at most, the one that calls among them.
@@ -73,7 +75,7 @@ def team(threads: int) -> Team:
     if _team is None:
         if threads == 1:
             return _ALONE
-        _team = Team(min(os.cpu_count() or 1, MOST) - 1)
+        _team = Team(min(int(_settings.NUMBA_NUM_THREADS), MOST) - 1)
         atexit.register(_team.stop)
     return _team
 
