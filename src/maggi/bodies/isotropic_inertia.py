@@ -123,7 +123,10 @@ class IsotropicInertia:
         self._drive[:] = drive.ravel()
         accelerations(of, PARTS)
         self._sums.sum(axis=0, out=self._moved)
-        self._rigid[:] = 0.0 if axes is None else axes.inverse @ self._moved[9:]
+        if axes is None:
+            self._rigid[:] = 0.0
+        else:
+            np.dot(axes.inverse, self._moved[9:], out=self._rigid)
         inertia_forces(of, PARTS)
         if self._tied:
             gather_tied(of, 1)
@@ -132,9 +135,10 @@ class IsotropicInertia:
 
     def _deformed(self) -> tuple[Array, Array]:
         """S and J from the sums ``Σ w u`` and the upper triangle of ``Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ``."""
-        s = self._moved
-        second = s[[3, 4, 5, 4, 6, 7, 5, 7, 8]].reshape(3, 3)
-        return self.S0 + s[:3], self.J0 + (s[3] + s[6] + s[8]) * np.eye(3) - second
+        xx, xy, xz, yy, yz, zz = self._moved[3:9].tolist()
+        J = np.array(((yy + zz, -xy, -xz), (-xy, xx + zz, -yz), (-xz, -yz, xx + yy)))
+        J += self.J0
+        return self.S0 + self._moved[:3], J
 
     def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
         spin = np.array([[0.0, w[2], -w[1]], [-w[2], 0.0, w[0]], [w[1], -w[0], 0.0]])  # x spin = ω × x

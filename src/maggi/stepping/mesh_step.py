@@ -241,7 +241,7 @@ class MeshStep:
         """Make the end of the step the present.
 
         Accelerations are put on the mean axes again: what round-off takes from them is extrapolated from step to
-        step, and no residual shows it.
+        step, and no residual shows it. (Every tenth step only, a hinged bar of 3,000 freedoms no longer converges after 160.)
         """
         if self.body.floating:
             self.body.axes.project(self.a_next)
