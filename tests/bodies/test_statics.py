@@ -45,9 +45,10 @@ def test_floating_body(body):
 def test_held_body(attached):
     """Bᵀu = 0, and what K u lacks of the forces are forces at the attachments, Bλ."""
     body, B = attached, interface(attached.B)
-    held, f = HeldStatics(FreeStatics(body), B), forces(body)
-    u = held.displacements(f)
-    np.testing.assert_allclose(B.T @ u, 0.0, atol=1e-13 * np.abs(u).max())
+    statics, f = FreeStatics(body), forces(body)
+    u = HeldStatics(statics, B).displacements(f)
+    # what is held at both ends moves up to 500 times less than what it is a difference of
+    np.testing.assert_allclose(B.T @ u, 0.0, atol=1e-14 * np.abs(statics.on_support(f)).max())
     assert outside(body.K.matrix() @ u - f, B.toarray()) < 1e-9
     work = f.T @ u  # a symmetric, positive compliance
     np.testing.assert_allclose(work, work.T, atol=1e-11 * np.abs(work).max())

@@ -137,3 +137,34 @@ def test_the_mass_is_let_go_before_the_factor_is_made(monkeypatch):
 
     monkeypatch.setattr(module.Prepared, "factorise", watched)
     ShiftedFactors(*triangle(K, pattern)).factorise(1.0, made, 1.0)
+
+
+@pytest.mark.parametrize("held", [[0], [3, 4, 5], [0, 7, 14], [14], []])
+def test_held_unknowns_are_cut_off(held):
+    """Against the matrix without their rows and columns."""
+    rng = np.random.default_rng(3)
+    K, pattern = blocks(rng, 5)
+    held = np.array(held, np.int64)
+    free = np.setdiff1d(np.arange(len(K)), held)
+    right = rng.normal(size=(len(K), 2))
+    right[held] = 0.0
+    found = ShiftedFactors(*triangle(K, pattern)).factorise_held(held).solve_many(right)
+    assert (found[held] == 0.0).all()
+    expected = np.linalg.solve(K[np.ix_(free, free)], right[free])
+    np.testing.assert_allclose(found[free], expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_memory_is_set_aside_before_the_factor_is_made(monkeypatch):
+    rng = np.random.default_rng(4)
+    K, pattern = blocks(rng, 5)
+    told, factorised = [], module.Prepared.factorise
+
+    def watched(prepared):
+        told.append("factorised")
+        return factorised(prepared)
+
+    monkeypatch.setattr(module.Prepared, "factorise", watched)
+    factors = ShiftedFactors(*triangle(K, pattern), lambda: told.append("set aside"))
+    factors.factorise(1.0, lambda: mass(rng, pattern), 1.0)
+    factors.factorise_held(np.array([1]))
+    assert told == 2 * ["set aside", "factorised"]

@@ -16,12 +16,14 @@ import scipy.linalg
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from maggi.linalg.factor import factorise
+from maggi.linalg.shifted import ShiftedFactors
 
 from .mesh_body import MeshBody
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+BLOCK = 8  # right sides solved at once, as many as in a block of Lanczos's: a factor keeps the memory that its widest solve took
 
 
 def determinate_support(body: MeshBody) -> IntArray:
@@ -41,16 +43,18 @@ class FreeStatics:
 
     def __init__(self, body: MeshBody) -> None:
         self.body = body
-        kept = np.ones(body.size, dtype=bool)
-        kept[determinate_support(body)] = False
-        self._kept = np.flatnonzero(kept)
-        self._factor = factorise(body.K.matrix().tocsr()[self._kept][:, self._kept]) if self._kept.size else None
+        self._support = determinate_support(body)
+        K = body.K
+        self._factor = ShiftedFactors(K.indptr, K.indices, K.blocks, body.set_aside).factorise_held(self._support)
 
     def on_support(self, forces: Array) -> Array:
         """G f (nd, k): displacements of the supported body; the support takes what is not in equilibrium."""
-        result = np.zeros_like(forces)
-        if self._factor is not None and forces.shape[1]:
-            result[self._kept] = self._factor.solve_many(forces[self._kept])
+        result = np.empty_like(forces)
+        for first in range(0, forces.shape[1], BLOCK):
+            some = slice(first, first + BLOCK)
+            loads = forces[:, some].copy()
+            loads[self._support] = 0.0
+            result[:, some] = self._factor.solve_many(loads)
         return result
 
     def floating(self, forces: Array) -> Array:

@@ -31,13 +31,27 @@ class ShiftedFactors:
         self._set_aside = set_aside
         self._pattern = Pattern()
 
+    def factorise_held(self, held: NDArray[np.int64]) -> Factor:
+        """The factor of K with some unknowns held, which are zero where their right sides are; raises as `factorise` does."""
+        return self._factor(self._held(held))
+
     def factorise(self, k1: float, mass: Callable[[], sp.csr_matrix], k2: float) -> Factor:
         """A factor; raises as `linalg.factor.factorise` does.
 
         mass : makes M (3n, 3n), whose entries stand in blocks that K has, its rows sorted. It is not held while the factor
         is made, which is when most memory is needed.
         """
-        prepared = self._pattern.prepare(self._sum(k1, mass(), k2))
+        return self._factor(self._sum(k1, mass(), k2))
+
+    def _held(self, held: NDArray[np.int64]) -> sp.csc_array:
+        n = 3 * (self._triangle[0].size - 1)
+        triangle = self._sum(0.0, sp.csr_matrix((n, n)), 1.0)
+        hold(triangle, held)
+        return triangle
+
+    def _factor(self, triangle: sp.csc_array) -> Factor:
+        prepared = self._pattern.prepare(triangle)
+        del triangle
         self._set_aside()
         factor = prepared.factorise()
         del prepared
@@ -55,6 +69,19 @@ class ShiftedFactors:
         triangle = sp.csc_array((values, columns, first), shape=M.shape)
         triangle.has_canonical_format = True
         return triangle
+
+
+def hold(triangle: sp.csc_array, unknowns: NDArray[np.int64]) -> None:
+    """Cut some unknowns off from all others, in place; their diagonal entries stay.
+
+    triangle (n, n): the lower one by columns, the diagonal entry the first of each.
+    """
+    diagonals = triangle.indptr[unknowns]
+    kept = triangle.data[diagonals]
+    for unknown, first in zip(unknowns, diagonals, strict=True):
+        triangle.data[first : triangle.indptr[unknown + 1]] = 0.0
+        triangle.data[triangle.indices == unknown] = 0.0
+    triangle.data[diagonals] = kept
 
 
 @kernel
