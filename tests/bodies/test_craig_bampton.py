@@ -60,7 +60,7 @@ def test_modes_and_interface_are_those_of_the_body(case):
     clamped = [coupling.name for coupling in body.couplings]
     rigid = 0 if clamped else 6
     other = mesh_modes(body, 4 + rigid, clamped).frequencies[rigid:]
-    np.testing.assert_allclose(shapes.held, other, rtol=1e-8)
+    np.testing.assert_allclose(shapes.held, other, rtol=1e-9)
     independent = {"none": 0, "one rigid": 6, "one average": 6}.get(case[1], 12)
     assert shapes.interface == independent
     assert shapes.basis.shape[1] == 4 + max(independent - 6, 0)

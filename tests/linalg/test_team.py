@@ -68,6 +68,17 @@ def test_a_long_row_of_passes(trio):
             time.sleep(1e-4)
 
 
+def test_the_parts_of_others_are_waited_for(trio):
+    """They take a hundred times as long as that of the one that calls, which looks at them at once."""
+    kept = []  # whatever is still written to shall be there
+    for _ in range(100):
+        counts, effort = np.zeros(4, np.int64), np.array([2_000, 200_000, 200_000, 200_000])
+        work = Work(counts, effort, np.zeros(4))
+        kept.append(work)
+        trio.run(count._address(numba_type(work)), work.__dict__["_address"], 4, 4)
+        assert counts.tolist() == [1, 1, 1, 1]
+
+
 def test_others_take_part(trio):
     """A pass that is long enough for all to come is not done by one alone: it takes less of that one's time."""
     effort = np.full(64, 200_000)
