@@ -67,17 +67,19 @@ def test_blas_finds_its_setting_before_it_is_loaded_and_that_of_the_user_stands(
     assert found.stdout.strip() == expected
 
 
-def test_a_run_goes_on_with_the_collector(shell, monkeypatch):
+@pytest.mark.parametrize(("command", "work"), [("run", "transient.run"), ("check", "audit.audit")])
+def test_what_may_be_long_goes_on_with_the_collector(shell, monkeypatch, command, work):
     seen = []
-    transient = sys.modules["maggi.analyses.transient"]
-    run = transient.run
+    module, name = work.split(".")
+    module = sys.modules[f"maggi.analyses.{module}"]
+    does = getattr(module, name)
 
     def watched(*args, **kwargs):
         seen.append(gc.isenabled())
-        return run(*args, **kwargs)
+        return does(*args, **kwargs)
 
-    monkeypatch.setattr(transient, "run", watched)
-    assert shell("run", shell.model()).exit_code == 0
+    monkeypatch.setattr(module, name, watched)
+    assert shell(command, shell.model()).exit_code == 0
     assert seen == [True]
     assert gc.isenabled()
     gc.unfreeze()

@@ -12,6 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from maggi.linalg import team as module
+from maggi.linalg.atomics import load, store
 from maggi.linalg.shared import SharedPass
 from maggi.linalg.table import Table, numba_type
 from maggi.linalg.team import Team
@@ -79,17 +80,34 @@ def test_the_parts_of_others_are_waited_for(trio):
         assert counts.tolist() == [1, 1, 1, 1]
 
 
-def test_others_take_part(trio):
-    """A pass that is long enough for all to come is not done by one alone: it takes less of that one's time."""
-    effort = np.full(64, 200_000)
-    done(trio, np.zeros(64, np.int64), effort, 4)
-    taken = []
-    for threads in (1, 4):
-        start = time.thread_time()
-        done(trio, np.zeros(64, np.int64), effort, threads)
-        taken.append(time.thread_time() - start)
-    if (os.cpu_count() or 1) > 1:
-        assert taken[1] < taken[0]
+@dataclass(frozen=True, eq=False)
+class Meeting(Table):
+    begun: NDArray[np.int64]
+    place: NDArray[np.int64]
+    met: NDArray[np.int64]
+
+
+@SharedPass
+def meet(of, part, parts):
+    """Each of two parts waits for the other to begin, for some seconds at most."""
+    place = of.place[0]
+    store(place + 8 * part, 1)
+    for _ in range(2_000_000_000):
+        if load(place + 8 * (1 - part)) == 1:
+            of.met[part] = 1
+            return
+
+
+@pytest.mark.parametrize("wait", [0.0, 0.01])
+def test_others_take_part(trio, wait):
+    """Whether they are still there or asleep: two parts that wait for each other would not meet in one thread."""
+    done(trio, np.zeros(8, np.int64), np.full(8, 100_000), 4)  # what the threads do is compiled by then
+    for _ in range(5):
+        time.sleep(wait)
+        begun = np.zeros(2, np.int64)
+        table = Meeting(begun, np.array([begun.ctypes.data]), np.zeros(2, np.int64))
+        trio.run(meet._address(numba_type(table)), table.__dict__["_address"], 2, 2)
+        assert table.met.tolist() == [1, 1]
 
 
 def test_without_its_threads_a_team_still_works():
@@ -132,10 +150,11 @@ assert (out == 6.0).all()
 """
 
 
-@pytest.mark.parametrize(
-    "then", ["", "if os.fork(): sys.exit(os.waitstatus_to_exitcode(os.wait()[1]))"], ids=["end", "fork"]
-)
-@pytest.mark.skipif(sys.platform == "win32", reason="no fork")
+FORK = "if os.fork(): sys.exit(os.waitstatus_to_exitcode(os.wait()[1]))"
+no_fork = pytest.mark.skipif(sys.platform == "win32", reason="Windows does not fork")
+
+
+@pytest.mark.parametrize("then", ["", pytest.param(FORK, marks=no_fork)], ids=["end", "fork"])
 def test_a_program_ends_and_forks(then):
     """With threads that wait, or work: nothing hangs, nothing falls over."""
     for _ in range(3):

@@ -94,7 +94,7 @@ def mesh_modes(
 
     inverse = LinearOperator((body.size, body.size), matvec=solve, dtype=np.float64)
     start = solve(M @ np.random.default_rng(0).standard_normal(body.size))  # in the clamps' null space
-    values, shapes = eigsh(K, count, M, sigma=-shift, OPinv=inverse, v0=start)
+    _, shapes = eigsh(K, count, M, sigma=-shift, OPinv=inverse, v0=start)
     # what the shift has cost in digits: the quotient's error is the square of the shape's
     values = np.einsum("ij,ij->j", shapes, K @ shapes) / np.einsum("ij,ij->j", shapes, M @ shapes)
     order = np.argsort(values)

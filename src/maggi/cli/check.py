@@ -8,6 +8,7 @@ from maggi.model.errors import ModelError
 
 from . import options
 from .outcome import Outcome, Status
+from .start import started
 
 
 @click.command()
@@ -31,6 +32,7 @@ def check(ctx: click.Context, model: str, overrides: tuple[str, ...], as_json: b
     described, source = read(model, overrides)
     from maggi.analyses.audit import audit
 
+    started()
     try:
         found = audit(described)
     except ModelError as error:

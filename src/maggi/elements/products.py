@@ -25,7 +25,7 @@ IntArray = NDArray[np.int32]
 
 PARTS = 4  # of a triangle's rows; each costs a field to add up
 SMALL = 1000  # nodes below which one part does
-FEW = 20_000  # nodes up to which adding up the parts' fields is not worth waking anyone
+ALONE = 20_000  # nodes up to which adding up the parts' fields is not worth waking anyone
 NONE = np.empty(0)  # in place of the vector of a square that is not asked for
 
 
@@ -111,7 +111,7 @@ class Product(Table):
         """``out += K x``; returns vᵀK v, or 0."""
         parts = self.K.squares.size
         _multiply(self, parts)
-        _add_up(self, parts if self.K.sums.shape[1] > FEW else 1)
+        _add_up(self, parts if self.K.sums.shape[1] > ALONE else 1)
         return math.fsum(self.K.squares)
 
 

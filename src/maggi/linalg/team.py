@@ -24,9 +24,8 @@ _settings: Any = config
 MOST = 8  # threads that share a pass: it is bound by memory, and each has to be woken
 # Looks at whether there is something to do before a thread goes to sleep: some 30 µs, from one pass of a step to the next.
 LOOKS = 8_000
-PATIENCE = (
-    2_000  # looks at whether others are done before they are given the processor, if it is that which they wait for
-)
+# Looks at whether others are done, before they are given the processor, if it is that which they wait for.
+PATIENCE = 2_000
 
 # Places in bytes, those that different threads write on lines of the cache of their own. Every thread has a ticket: the end of
 # its parts times 2³², and the next of them. So whoever draws a part knows that the pass to which it belongs is
@@ -138,12 +137,12 @@ def _is_open(ticket: int) -> bool:
 
 
 @inner_kernel
-def _is_wanted(base: int) -> Any:
+def _is_wanted(base: int) -> bool:
     """Whether there is something to do, or the end has come."""
     for k in range(load(base + THREADS)):
         if _is_open(load(base + TICKET + LINE * k)):
             return True
-    return load(base + STOPPED) != 0
+    return bool(load(base + STOPPED) != 0)
 
 
 @part_kernel
