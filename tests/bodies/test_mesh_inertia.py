@@ -98,6 +98,29 @@ def test_residual(case, seed):
     close(frame[3:], moment)
 
 
+def test_relative_accelerations_are_for_the_freedoms_alone(case):
+    """M (p u + q u̇) more on the freedoms, the same on the frame."""
+    inertia, terms = case
+    drive, (u, ud, udd) = random_state(len(terms.m), 6)
+    relative, (p, q) = np.zeros(2), (-3.0, 0.7)
+    nodal, frame, without = np.empty(len(u)), np.empty(6), np.empty(6)
+    forces = inertia.forces(u, ud, udd, nodal, relative)
+    S, J = forces.residual(drive, without)
+    expected = nodal + terms.m @ (p * u + q * ud)
+    relative[:] = p, q
+    of_deformed = forces.residual(drive, frame)
+    close(nodal, expected)
+    np.testing.assert_array_equal(frame, without)
+    np.testing.assert_array_equal(np.vstack(of_deformed), np.vstack((S, J)))
+
+
+def test_squares(case):
+    inertia, terms = case
+    fields = np.random.default_rng(7).normal(size=(len(terms.m), 4))
+    expected = np.einsum("nk,nk->k", fields, terms.m @ fields)
+    np.testing.assert_allclose(inertia.squares(fields.reshape(-1, 3, 4)), expected, rtol=1e-12)
+
+
 @pytest.mark.parametrize("seed", range(2))
 def test_residual_on_mean_axes(case, seed):
     """With mean axes, Pᵀ of the forces on the freedoms, P = I − Φ (ΦᵀMΦ)⁻¹ ΦᵀM; the frame's are the same."""

@@ -34,34 +34,49 @@ def test_the_product_is_added(K, half, fields):
     np.testing.assert_allclose(out, expected, rtol=0, atol=1e-14 * abs(expected).max())
 
 
-def test_the_square_comes_with_the_product(K, half, fields):
-    x, out, v = fields
-    expected = out + K @ x
-    square = half.product(x, out, v).add()
-    np.testing.assert_allclose(out, expected, rtol=0, atol=1e-14 * abs(expected).max())
-    assert square == pytest.approx(v @ (K @ v), rel=1e-13)
+def test_squares_of_four_fields(K, half):
+    fields = np.random.default_rng(6).normal(size=(K.shape[0] // 3, 3, 4))
+    squares = half.squares(fields)
+    for _ in range(2):
+        x = fields.reshape(-1, 4)
+        np.testing.assert_allclose(squares.find(), np.einsum("nk,nk->k", x, K @ x), rtol=1e-13)
+        fields[:] = fields[::-1].copy()
+
+
+def test_a_square_depends_on_no_other(half):
+    """To the last bit, so that it does not matter which are found together."""
+    fields = np.random.default_rng(7).normal(size=(half.order // 3, 3, 4))
+    found = half.squares(fields).find()
+    for order in ([1, 2, 3, 0], [2, 2, 1, 1], [3, 0, 0, 0]):
+        assert np.array_equal(half.squares(fields[:, :, order].copy()).find(), found[order])
 
 
 def test_same_bits_for_any_number_of_threads(half, fields):
-    x, _, v = fields
+    x, _, _ = fields
+    four = np.random.default_rng(8).normal(size=(half.order // 3, 3, 4))
     before = numba.get_num_threads()
     results = []
     for threads in {1, before}:
         numba.set_num_threads(threads)
         out = np.zeros_like(x)
-        results.append((half.product(x, out, v).add(), out))
+        half.add_product(x, out)
+        results.append((half.squares(four).find(), out))
     numba.set_num_threads(before)
-    for square, out in results:
-        assert square == results[0][0]
+    for squares, out in results:
+        assert np.array_equal(squares, results[0][0])
         assert np.array_equal(out, results[0][1])
 
 
 def test_arrays_that_do_not_fit_are_refused(half, fields):
-    x, out, v = fields
+    x, out, _ = fields
     with pytest.raises(ValueError, match="rows got"):
         half.add_product(x[:-1], out)
     with pytest.raises(ValueError, match="rows got"):
-        half.product(x, out, v[:-3])
+        half.add_product(x, out[:-3])
+    with pytest.raises(ValueError, match="of shape"):
+        half.squares(np.zeros((half.order, 4)))
+    with pytest.raises(TypeError, match="contiguous"):
+        half.squares(np.zeros((4, 3, half.order // 3)).T)
     with pytest.raises(TypeError, match="contiguous"):
         half.add_product(x, np.zeros(2 * x.size)[::2])
 

@@ -16,16 +16,20 @@ from .mean_axes import MeanAxes, RigidColumns
 
 Array = NDArray[np.float64]
 
+NONE = np.zeros(2)  # of u and u̇ is added to the accelerations
+
 
 class BeamForces:
     """See `InertiaForces`."""
 
-    def __init__(self, inertia: BeamInertia, fields: tuple[Array, Array, Array], nodal: Array) -> None:
-        self._inertia, self._fields, self._nodal = inertia, fields, nodal
+    def __init__(
+        self, inertia: BeamInertia, fields: tuple[Array, Array, Array], nodal: Array, relative: Array
+    ) -> None:
+        self._inertia, self._fields, self._nodal, self._relative = inertia, fields, nodal, relative
 
     def residual(self, drive: Array, frame: Array, axes: MeanAxes | None = None) -> tuple[Array, Array]:
         """See `InertiaForces.residual`."""
-        return self._inertia.evaluate(self._fields, self._nodal, drive, frame, axes)
+        return self._inertia.evaluate(self._fields, self._nodal, self._relative, drive, frame, axes)
 
 
 class BeamInertia:
@@ -44,17 +48,28 @@ class BeamInertia:
         self._blocks = np.ascontiguousarray(np.stack([block.data for block in blocks], axis=1))
         self._scalars = np.empty(21)
 
-    def forces(self, u: Array, ud: Array, udd: Array, nodal: Array) -> BeamForces:
+    def forces(self, u: Array, ud: Array, udd: Array, nodal: Array, relative: Array | None = None) -> BeamForces:
         """See `MeshInertia.forces`."""
-        return BeamForces(self, (u, ud, udd), nodal)
+        return BeamForces(self, (u, ud, udd), nodal, NONE if relative is None else relative)
+
+    def squares(self, fields: Array) -> Array:
+        """See `MeshInertia.squares`."""
+        flat = fields.reshape(self.matrix.shape[0], -1)
+        return np.asarray(np.einsum("nk,nk->k", flat, self.matrix @ flat))
 
     def evaluate(
-        self, fields: tuple[Array, Array, Array], nodal: Array, drive: Array, frame: Array, axes: MeanAxes | None
+        self,
+        fields: tuple[Array, Array, Array],
+        nodal: Array,
+        relative: Array,
+        drive: Array,
+        frame: Array,
+        axes: MeanAxes | None,
     ) -> tuple[Array, Array]:
         """See `InertiaForces.residual`."""
         (u, ud, udd), (a_O, w, eps) = fields, drive
         sums = self._scalars
-        _beam_pass(self._indptr, self._indices, self._blocks, w, eps, u, ud, udd, nodal, sums)
+        _beam_pass(self._indptr, self._indices, self._blocks, w, eps, relative, u, ud, udd, nodal, sums)
         ww = np.outer(w, w)
         nodal += self._m_O @ a_O + eps @ self._s + np.einsum("kl,kln->n", ww, self._s2)
         S = self.S0 + self._m_O.T @ u
@@ -73,7 +88,7 @@ class BeamInertia:
     def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
         scratch = np.empty_like(u)
         zero = np.zeros(3)
-        _beam_pass(self._indptr, self._indices, self._blocks, zero, zero, u, ud, ud, scratch, self._scalars)
+        _beam_pass(self._indptr, self._indices, self._blocks, zero, zero, NONE, u, ud, ud, scratch, self._scalars)
         S, J = self.S0 + self._m_O.T @ u, self._inertia(u, self._scalars[:9].reshape(3, 3))
         linear = self.mass * v + cross(w, S) + self._m_O.T @ ud
         angular = cross(S, v) + J @ w + self._s @ ud + self._scalars[9:12]
@@ -118,8 +133,8 @@ class BeamInertia:
 
 
 @njit(cache=True)
-def _beam_pass(indptr, indices, blocks, w, eps, u, ud, udd, out, sums):  # type: ignore[no-untyped-def]
-    """out = m ü + 2 Σω_kG_k u̇ + Σ(ε_kG_k + Σ_l ω_kω_lH_kl) u; sums: uᵀH_klu, üᵀG_ku, u̇ᵀH_lku [l, k] (T2, T5a)."""
+def _beam_pass(indptr, indices, blocks, w, eps, relative, u, ud, udd, out, sums):  # type: ignore[no-untyped-def]
+    """out = m (ü + p u + q u̇) + 2 Σω_kG_k u̇ + Σ(ε_kG_k + Σ_l ω_kω_lH_kl) u; sums: uᵀH_klu, üᵀG_ku, u̇ᵀH_lku [l, k] (T2, T5a)."""
     sums[:] = 0.0
     for n in range(indptr.size - 1):
         for i in range(3):
@@ -129,7 +144,7 @@ def _beam_pass(indptr, indices, blocks, w, eps, u, ud, udd, out, sums):  # type:
                 for j in range(3):
                     column = 3 * indices[p] + j
                     x, xd = u[column], ud[column]
-                    value += blocks[p, 0, i, j] * udd[column]
+                    value += blocks[p, 0, i, j] * (udd[column] + relative[0] * x + relative[1] * xd)
                     for k in range(3):
                         g = blocks[p, 1 + k, i, j]
                         value += g * (2.0 * w[k] * xd + eps[k] * x)

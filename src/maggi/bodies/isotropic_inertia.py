@@ -8,11 +8,20 @@ from numpy.typing import NDArray
 
 from maggi.elements.moving_frame import InertiaConstants, contracted
 from maggi.linalg.factor import Factor, factorise
+from maggi.linalg.lanes import WIDTH
 from maggi.linalg.paged import moved, release
 
 from .freedoms import Freedoms
 from .isotropic_factor import IsotropicFactor
-from .isotropic_kernels import NodalForces, accelerations, gather_tied, inertia_forces, three_times
+from .isotropic_kernels import (
+    NodalForces,
+    NodalSquares,
+    accelerations,
+    gather_tied,
+    inertia_forces,
+    nodal_squares,
+    three_times,
+)
 from .mean_axes import MeanAxes, RigidColumns
 
 Array = NDArray[np.float64]
@@ -57,7 +66,7 @@ class IsotropicInertia:
         self.J0 = np.trace(second) * np.eye(3) - second
         self._starts = np.searchsorted(mu.indptr, np.linspace(0, mu.nnz, PARTS + 1)).astype(np.int64)
         self._starts[0], self._starts[-1] = 0, len(nodes)
-        self._field, self._on_tied = np.empty((len(nodes), 3)), np.empty((self._tied, 3))
+        self._field, self._on_tied = np.zeros((len(nodes) + 1, 6)), np.empty((self._tied, 6))
         self._of_tied = np.empty((3, self._tied, 3))
         self._drive, self._rigid, self._moved = np.empty(9), np.zeros(6), np.zeros(15)
         self._sums, self._wrenches = np.zeros((PARTS, 15)), np.zeros((PARTS, 6))
@@ -87,12 +96,9 @@ class IsotropicInertia:
         """See `MeshInertia.set_aside`."""
         release(self._mu.data, self._mu.indices)
 
-    def forces(self, u: Array, ud: Array, udd: Array, nodal: Array) -> IsotropicForces:
+    def forces(self, u: Array, ud: Array, udd: Array, nodal: Array, relative: Array | None = None) -> IsotropicForces:
         """See `MeshInertia.forces`."""
-        return IsotropicForces(self, self._nodal_forces(u, ud, udd, nodal))
-
-    def _nodal_forces(self, u: Array, ud: Array, udd: Array, nodal: Array) -> NodalForces:
-        return NodalForces(
+        of = NodalForces(
             self._mu.indptr,
             self._mu.indices,
             self._mu.data,
@@ -104,6 +110,7 @@ class IsotropicInertia:
             self._freedoms.arm,
             self._drive,
             self._rigid,
+            np.zeros(2) if relative is None else relative,
             u,
             ud,
             udd,
@@ -114,6 +121,7 @@ class IsotropicInertia:
             self._sums,
             self._wrenches,
         )
+        return IsotropicForces(self, of)
 
     def evaluate(self, of: NodalForces, drive: Array, frame: Array, axes: MeanAxes | None) -> tuple[Array, Array]:
         """The forces of the accelerations that drive (3, 3), a_O, ω and ε, says, on the freedoms and on the frame; S and J.
@@ -146,6 +154,17 @@ class IsotropicInertia:
         velocity += v
         velocity += self._expand(ud)
         return float(0.5 * np.einsum("ni,ni->", velocity, self._mu @ velocity))
+
+    def squares(self, fields: Array) -> Array:
+        """See `MeshInertia.squares`."""
+        if self._tied:
+            master, arm = self._freedoms.master, self._freedoms.arm[:, :, None]
+            tied = fields[master] + np.cross(fields[master + 1], arm, axis=1)
+            fields = np.concatenate((fields[: self._free], tied))
+        mu = self._mu
+        of = NodalSquares(mu.indptr, mu.indices, mu.data, self._starts, fields, np.empty((PARTS, WIDTH)))
+        nodal_squares(of, PARTS)
+        return np.asarray(of.sums.sum(axis=0))
 
     def constants(self, basis: Array) -> InertiaConstants:
         fields = self._freedoms.expand_many(basis)

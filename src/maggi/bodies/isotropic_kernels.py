@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maggi.linalg.compiling import kernel
+from maggi.linalg.lanes import four, four_at, number, put_four, three_fours
 from maggi.linalg.shared import SharedPass, inner_pass
 from maggi.linalg.table import Table
 
@@ -21,8 +22,10 @@ class NodalForces(Table):
 
     indptr, indices, values: μ (n, n) by rows, of which part p has those from starts[p] to starts[p + 1]. nodes (n, 3).
     weights (n,), moments (n, 3): row sums of μ, and μ times the nodes. master (t,), arm (t, 3): see `Freedoms`.
-    drive (9,): a_O less gravity, ω, ε. rigid (6,): g of `inertia_forces`. u, ud, udd, nodal (3b,). tied (3, t, 3): u, u̇, ü of
-    tied nodes. field (n, 3): accelerations. on_tied (t, 3): forces. sums (p, 15), wrenches (p, 6): by part.
+    drive (9,): a_O less gravity, ω, ε. rigid (6,): g of `inertia_forces`. relative (2,): what of u and u̇ is added to the
+    accelerations for the freedoms. u, ud, udd, nodal (3b,). tied (3, t, 3): u, u̇, ü of tied nodes. field (n + 1, 6):
+    accelerations for the frame, for the freedoms; the last row is read, but not used. on_tied (t, 6): forces.
+    sums (p, 15), wrenches (p, 6): by part.
     """
 
     indptr: NDArray[np.int32]
@@ -36,6 +39,7 @@ class NodalForces(Table):
     arm: Array
     drive: Array
     rigid: Array
+    relative: Array
     u: Array
     ud: Array
     udd: Array
@@ -45,6 +49,18 @@ class NodalForces(Table):
     on_tied: Array
     sums: Array
     wrenches: Array
+
+
+@dataclass(frozen=True, eq=False)
+class NodalSquares(Table):
+    """xᵀ(μ ⊗ I₃)x of four fields (n, 3, 4); indptr, indices, values, starts: see `NodalForces`. sums (p, 4): by part."""
+
+    indptr: NDArray[np.int32]
+    indices: NDArray[np.int32]
+    values: Array
+    starts: IntArray
+    fields: Array
+    sums: Array
 
 
 @kernel
@@ -68,7 +84,8 @@ def three_times(indptr, indices, data):  # type: ignore[no-untyped-def]
 def accelerations(of: NodalForces, part: int, parts: int) -> None:
     """a_n = a_O + ε × c + ω × (ω × c + 2 u̇) + ü, c = X + u (T4), into `field`; gravity is in a_O.
 
-    To `sums` Σ w u, the upper triangle of Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ, and Cᵀa.
+    Behind it the same with what is `relative` added. To `sums` Σ w u, the upper triangle of Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ,
+    and Cᵀa.
     """
     X, weights, moments, field, tied = of.nodes, of.weights, of.moments, of.field, of.tied
     u, ud, udd = of.u.reshape(-1, 3), of.ud.reshape(-1, 3), of.udd.reshape(-1, 3)
@@ -78,7 +95,7 @@ def accelerations(of: NodalForces, part: int, parts: int) -> None:
     total[:] = 0.0
     if first < free:
         here = slice(first, min(last, free))
-        _accelerate(of.drive, X[here], u[here], ud[here], udd[here], field[here])
+        _accelerate(of.drive, of.relative, X[here], u[here], ud[here], udd[here], field[here])
         _add_sums(weights[here], moments[here], u[here], field[here], total)
     if last > free:
         here = slice(max(first, free), last)
@@ -88,7 +105,7 @@ def accelerations(of: NodalForces, part: int, parts: int) -> None:
         _carry(u, master, arm, d)
         _carry(ud, master, arm, v)
         _carry(udd, master, arm, vd)
-        _accelerate(of.drive, X[here], d, v, vd, field[here])
+        _accelerate(of.drive, of.relative, X[here], d, v, vd, field[here])
         _add_sums(weights[here], moments[here], d, field[here], total)
 
 
@@ -104,8 +121,9 @@ def _carry(x, master, arm, out):  # type: ignore[no-untyped-def]
 
 
 @inner_pass
-def _accelerate(drive, X, u, ud, udd, out):  # type: ignore[no-untyped-def]
-    """T4 at nodes with these displacements and rates."""
+def _accelerate(drive, relative, X, u, ud, udd, out):  # type: ignore[no-untyped-def]
+    """T4 at nodes with these displacements and rates, and with what is relative added."""
+    p, q = relative[0], relative[1]
     a0, a1, a2, w0, w1, w2, e0, e1, e2 = (
         drive[0],
         drive[1],
@@ -118,13 +136,16 @@ def _accelerate(drive, X, u, ud, udd, out):  # type: ignore[no-untyped-def]
         drive[8],
     )
     for n in range(X.shape[0]):
-        c0, c1, c2 = X[n, 0] + u[n, 0], X[n, 1] + u[n, 1], X[n, 2] + u[n, 2]
-        y0 = w1 * c2 - w2 * c1 + 2.0 * ud[n, 0]
-        y1 = w2 * c0 - w0 * c2 + 2.0 * ud[n, 1]
-        y2 = w0 * c1 - w1 * c0 + 2.0 * ud[n, 2]
-        out[n, 0] = a0 + e1 * c2 - e2 * c1 + w1 * y2 - w2 * y1 + udd[n, 0]
-        out[n, 1] = a1 + e2 * c0 - e0 * c2 + w2 * y0 - w0 * y2 + udd[n, 1]
-        out[n, 2] = a2 + e0 * c1 - e1 * c0 + w0 * y1 - w1 * y0 + udd[n, 2]
+        u0, u1, u2, v0, v1, v2 = u[n, 0], u[n, 1], u[n, 2], ud[n, 0], ud[n, 1], ud[n, 2]
+        c0, c1, c2 = X[n, 0] + u0, X[n, 1] + u1, X[n, 2] + u2
+        y0 = w1 * c2 - w2 * c1 + 2.0 * v0
+        y1 = w2 * c0 - w0 * c2 + 2.0 * v1
+        y2 = w0 * c1 - w1 * c0 + 2.0 * v2
+        f0 = a0 + e1 * c2 - e2 * c1 + w1 * y2 - w2 * y1 + udd[n, 0]
+        f1 = a1 + e2 * c0 - e0 * c2 + w2 * y0 - w0 * y2 + udd[n, 1]
+        f2 = a2 + e0 * c1 - e1 * c0 + w0 * y1 - w1 * y0 + udd[n, 2]
+        out[n, 0], out[n, 1], out[n, 2] = f0, f1, f2
+        out[n, 3], out[n, 4], out[n, 5] = f0 + p * u0 + q * v0, f1 + p * u1 + q * v1, f2 + p * u2 + q * v2
 
 
 @inner_pass
@@ -157,24 +178,25 @@ def _add_sums(weights, moments, u, a, out):  # type: ignore[no-untyped-def]
 @SharedPass
 def inertia_forces(of: NodalForces, part: int, parts: int) -> None:
     """F = μ a: less C g on free nodes' blocks, whole on tied nodes; resultant and moment Φ(c)ᵀF of the free to `wrenches`."""
-    indptr, indices, values, a = of.indptr, of.indices, of.values, of.field
+    indptr, indices, values, field = of.indptr, of.indices, of.values, of.field
     X, u, nodal, on_tied = of.nodes, of.u.reshape(-1, 3), of.nodal.reshape(-1, 3), of.on_tied
     weights, moments, g = of.weights, of.moments, of.rigid
     free = X.shape[0] - on_tied.shape[0]
     total = of.wrenches[part]
     total[:] = 0.0
     for n in range(of.starts[part], of.starts[part + 1]):
-        y0 = y1 = y2 = 0.0
+        y = z = four(0.0)  # three of each
         for p in range(np.uint32(indptr[n]), np.uint32(indptr[n + 1])):
-            m, value = np.uint32(indices[p]), values[p]  # unsigned: no look for places from the end
-            y0 += value * a[m, 0]
-            y1 += value * a[m, 1]
-            y2 += value * a[m, 2]
+            value, place = values[p], 6 * np.int64(np.uint32(indices[p]))
+            y = value * four_at(field, place) + y
+            z = value * four_at(field, place + 3) + z
+        y0, y1, y2, z0, z1, z2 = number(y, 0), number(y, 1), number(y, 2), number(z, 0), number(z, 1), number(z, 2)
         if n < free:
-            nodal[n, 0], nodal[n, 1], nodal[n, 2] = _less_rigid(y0, y1, y2, weights[n], moments[n], g)
+            nodal[n, 0], nodal[n, 1], nodal[n, 2] = _less_rigid(z0, z1, z2, weights[n], moments[n], g)
             _add_wrench(y0, y1, y2, X[n, 0] + u[n, 0], X[n, 1] + u[n, 1], X[n, 2] + u[n, 2], total)
         else:
-            on_tied[n - free, 0], on_tied[n - free, 1], on_tied[n - free, 2] = y0, y1, y2
+            tied = on_tied[n - free]
+            tied[0], tied[1], tied[2], tied[3], tied[4], tied[5] = y0, y1, y2, z0, z1, z2
 
 
 @SharedPass
@@ -186,16 +208,15 @@ def gather_tied(of: NodalForces, part: int, parts: int) -> None:
     for b in range(free, nodal.shape[0]):
         nodal[b, :] = 0.0
     for k in range(on_tied.shape[0]):
-        n, b, r = free + k, of.master[k], of.arm[k]
-        y0, y1, y2 = on_tied[k, 0], on_tied[k, 1], on_tied[k, 2]
-        _add_wrench(y0, y1, y2, X[n, 0] + d[k, 0], X[n, 1] + d[k, 1], X[n, 2] + d[k, 2], frame)
-        x, y, z = _less_rigid(y0, y1, y2, weights[n], moments[n], g)
-        nodal[b, 0] += x
-        nodal[b, 1] += y
-        nodal[b, 2] += z
-        nodal[b + 1, 0] += r[1] * z - r[2] * y
-        nodal[b + 1, 1] += r[2] * x - r[0] * z
-        nodal[b + 1, 2] += r[0] * y - r[1] * x
+        n, b, r, y = free + k, of.master[k], of.arm[k], on_tied[k]
+        _add_wrench(y[0], y[1], y[2], X[n, 0] + d[k, 0], X[n, 1] + d[k, 1], X[n, 2] + d[k, 2], frame)
+        x0, x1, x2 = _less_rigid(y[3], y[4], y[5], weights[n], moments[n], g)
+        nodal[b, 0] += x0
+        nodal[b, 1] += x1
+        nodal[b, 2] += x2
+        nodal[b + 1, 0] += r[1] * x2 - r[2] * x1
+        nodal[b + 1, 1] += r[2] * x0 - r[0] * x2
+        nodal[b + 1, 2] += r[0] * x1 - r[1] * x0
 
 
 @inner_pass
@@ -217,3 +238,18 @@ def _add_wrench(y0, y1, y2, c0, c1, c2, out):  # type: ignore[no-untyped-def]
     out[3] += c1 * y2 - c2 * y1
     out[4] += c2 * y0 - c0 * y2
     out[5] += c0 * y1 - c1 * y0
+
+
+@SharedPass
+def nodal_squares(of: NodalSquares, part: int, parts: int) -> None:
+    """What the rows of a part add to xᵀ(μ ⊗ I₃)x, into `sums`."""
+    indptr, indices, values, fields = of.indptr, of.indices, of.values, of.fields
+    total = four(0.0)
+    for n in range(of.starts[part], of.starts[part + 1]):
+        y0 = y1 = y2 = four(0.0)
+        for p in range(np.uint32(indptr[n]), np.uint32(indptr[n + 1])):
+            value, (x0, x1, x2) = values[p], three_fours(fields, np.uint32(indices[p]))
+            y0, y1, y2 = value * x0 + y0, value * x1 + y1, value * x2 + y2
+        x0, x1, x2 = three_fours(fields, np.uint32(n))
+        total = x0 * y0 + (x1 * y1 + (x2 * y2 + total))
+    put_four(of.sums[part], 0, total)

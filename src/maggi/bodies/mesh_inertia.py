@@ -42,8 +42,15 @@ class MeshInertia(Protocol):
     def set_aside(self) -> None:
         """Lets the system take back the memory of M until it is next read."""
 
-    def forces(self, u: Array, ud: Array, udd: Array, nodal: Array) -> InertiaForces:
-        """Of the fields in these arrays, at any time, on the freedoms, `nodal` (nd,)."""
+    def forces(self, u: Array, ud: Array, udd: Array, nodal: Array, relative: Array | None = None) -> InertiaForces:
+        """Of the fields in these arrays, at any time, on the freedoms, `nodal` (nd,).
+
+        relative (2,): p and q, if given; then ``M (p u + q u̇)`` is added to the forces on the freedoms, not to those on the
+        frame.
+        """
+
+    def squares(self, fields: Array) -> Array:
+        """xᵀM x (4,) of four fields (nd/3, 3, 4), the last index theirs."""
 
     def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
         """Kinetic energy (J); v, w: the frame's twist, body axes."""

@@ -1,4 +1,4 @@
-"""Matrix products of the hot loop: y = K x in place, on all threads, half of K read.
+"""Products with K in place, ``y += K x``, and squares xᵀK x, on all threads, half of K read.
 
 A 3×3 block costs 76 bytes and 18 multiplications: large meshes are bound by memory, small ones by arithmetic. Rows are
 shared among a fixed number of parts by stored entries, so that results do not depend on the number of threads. Nothing is
@@ -7,7 +7,6 @@ allocated.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -16,6 +15,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from maggi.linalg.compiling import kernel
+from maggi.linalg.lanes import WIDTH, four, put_four, three_fours
 from maggi.linalg.paged import empty, release
 from maggi.linalg.shared import SharedPass, inner_pass
 from maggi.linalg.table import Table
@@ -26,7 +26,6 @@ IntArray = NDArray[np.int32]
 PARTS = 4  # of a triangle's rows; each costs a field to add up
 SMALL = 1000  # nodes below which one part does
 ALONE = 20_000  # nodes up to which adding up the parts' fields is not worth waking anyone
-NONE = np.empty(0)  # in place of the vector of a square that is not asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +33,8 @@ class SymmetricBlocks(Table):
     """The upper triangle of a symmetric matrix of n rows of 3×3 blocks, for products that read every block once.
 
     indptr (n+1,), indices, blocks (nnz, 3, 3): rows of the triangle, the diagonal block first. starts (p+1,), ends
-    (p,): part k has the rows from starts[k] to starts[k+1] and adds to none from ends[k] on. sums (p, n, 3), squares
-    (p,): what the parts add up. The number of parts depends on n only, so that products do not depend on the number of
-    threads.
+    (p,): part k has the rows from starts[k] to starts[k+1] and adds to none from ends[k] on. sums (p, n, 3): what the parts
+    add up. The number of parts depends on n only, so that products do not depend on the number of threads.
     """
 
     indptr: IntArray
@@ -45,7 +43,6 @@ class SymmetricBlocks(Table):
     starts: NDArray[np.int64]
     ends: NDArray[np.int64]
     sums: Array
-    squares: Array
 
     @property
     def order(self) -> int:
@@ -65,18 +62,26 @@ class SymmetricBlocks(Table):
         starts = np.searchsorted(indptr, np.linspace(0, indptr[-1], parts + 1)).astype(np.int64)
         starts[0], starts[-1] = 0, n
         ends = np.array([indices[indptr[a] : indptr[b]].max(initial=a - 1) + 1 for a, b in pairwise(starts)])
-        sums = np.empty((parts, n, 3)), np.empty(parts)
-        return SymmetricBlocks(indptr, indices, blocks, starts, ends.astype(np.int64), *sums)
+        return SymmetricBlocks(indptr, indices, blocks, starts, ends.astype(np.int64), np.empty((parts, n, 3)))
 
-    def product(self, x: Array, out: Array, v: Array = NONE) -> Product:
-        """``out += K x`` of these arrays, (3n,) and C-contiguous, and vᵀK v: K is read once, and both take 1.3 times as long.
+    def product(self, x: Array, out: Array) -> Product:
+        """``out += K x`` of these arrays, (3n,) and C-contiguous.
 
         Raises ValueError for arrays of other sizes.
         """
-        size = self.order
-        if x.size != size or out.size != size or v.size not in (0, size):
-            raise ValueError(f"a product of {size} rows got {x.size}, {out.size} and {v.size} values")
-        return Product(self, x, v, out)
+        if x.size != self.order or out.size != self.order:
+            raise ValueError(f"a product of {self.order} rows got {x.size} and {out.size} values")
+        return Product(self, x, out)
+
+    def squares(self, fields: Array) -> Squares:
+        """xᵀK x of the four columns of this array, (n, 3, 4) and C-contiguous.
+
+        Raises ValueError for an array of another shape.
+        """
+        shape = self.order // 3, 3, WIDTH
+        if fields.shape != shape:
+            raise ValueError(f"squares of fields {shape} got an array of shape {fields.shape}")
+        return Squares(self, fields, np.empty((self.starts.size - 1, WIDTH)))
 
     def add_product(self, x: Array, out: Array) -> None:
         """``out += K x``, once."""
@@ -100,19 +105,31 @@ class SymmetricBlocks(Table):
 
 @dataclass(frozen=True, eq=False)
 class Product(Table):
-    """A product ``out += K x`` of certain arrays, to be done again and again; with v not empty also vᵀK v; x, v, out (3n,)."""
+    """A product ``out += K x`` of certain arrays (3n,), to be done again and again."""
 
     K: SymmetricBlocks
     x: Array
-    v: Array
     out: Array
 
-    def add(self) -> float:
-        """``out += K x``; returns vᵀK v, or 0."""
-        parts = self.K.squares.size
+    def add(self) -> None:
+        """``out += K x``."""
+        parts = self.K.sums.shape[0]
         _multiply(self, parts)
         _add_up(self, parts if self.K.sums.shape[1] > ALONE else 1)
-        return math.fsum(self.K.squares)
+
+
+@dataclass(frozen=True, eq=False)
+class Squares(Table):
+    """Squares xᵀK x of four fields at once, which costs little more than one; fields (n, 3, 4), sums (p, 4) by part."""
+
+    K: SymmetricBlocks
+    fields: Array
+    sums: Array
+
+    def find(self) -> Array:
+        """The squares of the fields as they are now (4,)."""
+        _square(self, self.sums.shape[0])
+        return np.asarray(self.sums.sum(axis=0))
 
 
 @kernel
@@ -165,17 +182,14 @@ def _multiply(of: Product, part: int, parts: int) -> None:
     """What the rows of a part add to K x, into its `sums`."""
     K = of.K
     indptr, indices, blocks = K.indptr, K.indices, K.blocks
-    x, v = of.x.reshape(-1, 3), of.v.reshape(-1, 3)
+    x = of.x.reshape(-1, 3)
     first, last = K.starts[part], K.starts[part + 1]
     y = K.sums[part]
     y[first : K.ends[part]] = 0.0
-    squared = v.shape[0] > 0
-    square = 0.0
     for n in range(first, last):
         p = indptr[n]
         u0, u1, u2 = x[n, 0], x[n, 1], x[n, 2]
         y0, y1, y2 = _times(blocks[p], u0, u1, u2)
-        w0 = w1 = w2 = 0.0
         for q in range(np.uint32(p + 1), np.uint32(indptr[n + 1])):
             m = np.uint32(indices[q])  # unsigned: no look for places from the end
             z0, z1, z2 = _times(blocks[q], x[m, 0], x[m, 1], x[m, 2])
@@ -183,19 +197,9 @@ def _multiply(of: Product, part: int, parts: int) -> None:
             y1 += z1
             y2 += z2
             _add_transposed(blocks[q], u0, u1, u2, y[m])
-            if squared:
-                z0, z1, z2 = _times(blocks[q], v[m, 0], v[m, 1], v[m, 2])
-                w0 += z0
-                w1 += z1
-                w2 += z2
         y[n, 0] += y0
         y[n, 1] += y1
         y[n, 2] += y2
-        if squared:
-            v0, v1, v2 = v[n, 0], v[n, 1], v[n, 2]
-            z0, z1, z2 = _times(blocks[p], v0, v1, v2)
-            square += (z0 + 2.0 * w0) * v0 + (z1 + 2.0 * w1) * v1 + (z2 + 2.0 * w2) * v2
-    K.squares[part] = square
 
 
 @SharedPass
@@ -203,7 +207,7 @@ def _add_up(of: Product, part: int, parts: int) -> None:
     """``out += `` the sums of all parts, for a part of the nodes."""
     K, out = of.K, of.out.reshape(-1, 3)
     first, last = out.shape[0] * part // parts, out.shape[0] * (part + 1) // parts
-    for k in range(K.squares.size):
+    for k in range(K.sums.shape[0]):
         low, high = max(first, K.starts[k]), min(last, K.ends[k])
         if low < high:
             _add_field(K.sums[k, low:high], out[low:high])
@@ -214,3 +218,32 @@ def _add_field(x, out):  # type: ignore[no-untyped-def]
     for n in range(out.shape[0]):
         for i in range(3):
             out[n, i] += x[n, i]
+
+
+@SharedPass
+def _square(of: Squares, part: int, parts: int) -> None:
+    """What the rows of a part add to xᵀK x: of the diagonal block once, of the others twice."""
+    K, fields = of.K, of.fields
+    indptr, indices, blocks = K.indptr, K.indices, K.blocks
+    total = four(0.0)
+    for n in range(K.starts[part], K.starts[part + 1]):
+        p = indptr[n]
+        y0 = y1 = y2 = four(0.0)
+        for q in range(np.uint32(p + 1), np.uint32(indptr[n + 1])):
+            y0, y1, y2 = _add_four(blocks[q], fields, np.uint32(indices[q]), y0, y1, y2)
+        twice = four(2.0)
+        y0, y1, y2 = _add_four(blocks[p], fields, np.uint32(n), twice * y0, twice * y1, twice * y2)
+        x0, x1, x2 = three_fours(fields, np.uint32(n))
+        total = x0 * y0 + (x1 * y1 + (x2 * y2 + total))
+    put_four(of.sums[part], 0, total)
+
+
+@inner_pass
+def _add_four(b, fields, n, y0, y1, y2):  # type: ignore[no-untyped-def]
+    """y and a block's product with the fields at a node."""
+    x0, x1, x2 = three_fours(fields, n)
+    return (
+        b[0, 2] * x2 + (b[0, 1] * x1 + (b[0, 0] * x0 + y0)),
+        b[1, 2] * x2 + (b[1, 1] * x1 + (b[1, 0] * x0 + y1)),
+        b[2, 2] * x2 + (b[2, 1] * x1 + (b[2, 0] * x0 + y2)),
+    )

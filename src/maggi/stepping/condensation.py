@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from maggi.bodies.mesh_body import MeshBody
@@ -26,7 +27,7 @@ class Condensation:
 
     factor of Ŝ = k₁M + k₂K, k₁ = σ + γh·mass, k₂ = βh² + γh·stiffness. Y = PŜ⁻¹B (nd, 6k), Z = Ŝ⁻¹KY,
     Z_D = Ŝ⁻¹DY = y Y + z Z, damping being (y, z); W, W_Z, W_D (6k, 6k): Bᵀ of them. responses (k, 12, nd): the six
-    columns of Y and those of Z of every attachment.
+    columns of Y and those of Z of every attachment. weights: k₁ and k₂. stiff: whether k₂K outweighs k₁M at most freedoms.
     """
 
     factor: Factor | None
@@ -35,6 +36,8 @@ class Condensation:
     W_Z: Array
     W_D: Array
     damping: tuple[float, float] = (0.0, 0.0)
+    weights: tuple[float, float] = (1.0, 0.0)
+    stiff: bool = False
 
     @staticmethod
     def none(body: MeshBody) -> Condensation:
@@ -75,6 +78,7 @@ class Condensations:
         self._body = body
         self._factors = ShiftedFactors(body.K.indptr, body.K.indices, body.K.blocks, body.set_aside)
         self._kept: dict[GeneralizedAlpha, Condensation] = {}
+        self._frequency = 0.0  # K over M on the diagonal (rad²/s²), their median; 0 where M has not been made yet
 
     def has(self, c: GeneralizedAlpha) -> bool:
         """Whether the constants of a step are kept."""
@@ -96,7 +100,13 @@ class Condensations:
 
     def factorise(self, k1: float, k2: float) -> Factor:
         """The factor of k₁M + k₂K."""
-        return self._factors.factorise(k1, lambda: self._body.inertia.matrix, k2)
+        return self._factors.factorise(k1, self._mass, k2)
+
+    def _mass(self) -> sp.csr_matrix:
+        M = self._body.inertia.matrix
+        if self._frequency == 0.0:
+            self._frequency = float(np.median(self._body.K.diagonal() / M.diagonal()))
+        return M
 
     def _make_room(self) -> None:
         """Before another is made, which will be about as large as the last."""
@@ -132,7 +142,8 @@ class Condensations:
         give_back()
         # D = mass M + stiffness K on mean axes, and M = (Ŝ − k₂K)/k₁
         y, z = (d.mass / k1, d.stiffness - d.mass * k2 / k1) if k2 else (0.0, 0.0)
-        return Condensation(factor, responses, W, W_Z, y * W + z * W_Z, (y, z))
+        stiff = k2 * self._frequency >= k1
+        return Condensation(factor, responses, W, W_Z, y * W + z * W_Z, (y, z), (k1, k2), stiff)
 
     def _response(self, factor: Factor, forces: Array) -> Array:
         """P Ŝ⁻¹ of forces (6, nd), a row each; (6, nd)."""

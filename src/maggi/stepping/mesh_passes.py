@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from maggi.bodies.freedoms import Freedoms
 from maggi.bodies.isotropic_inertia import IsotropicInertia
 from maggi.elements.products import SymmetricBlocks
+from maggi.linalg.lanes import WIDTH
 
 from .nodal_kernels import CACHED, NodalStep, correct_nodal, predict_nodal
 
@@ -25,7 +26,9 @@ def compile_passes(*, solids: bool) -> None:
         inertia = IsotropicInertia(nodes, sp.csr_matrix(np.eye(2)), freedoms)
         inertia.forces(x, x, x, out).residual(np.zeros((3, 3)), np.zeros(6))
     diagonal = sp.bsr_matrix((np.zeros((n // 3, 3, 3)), np.arange(n // 3), np.arange(n // 3 + 1)))
-    SymmetricBlocks.of(diagonal).product(x, out).add()
+    K = SymmetricBlocks.of(diagonal)
+    K.add_product(x, out)
+    K.squares(np.zeros((n // 3, 3, WIDTH))).find()
     step = NodalStep(
         linear=np.zeros(1),
         prediction=np.zeros((3, 4)),

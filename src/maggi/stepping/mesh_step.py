@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 from maggi.bodies.mesh_body import MeshBody
 from maggi.bodies.mesh_inertia import InertiaForces
 from maggi.bodies.tables import BodyTable, MotionState
-from maggi.elements.products import NONE, Product
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.vectors import cross
 
 from .condensation import Condensation, Condensations
+from .damping_power import DampingPower
 from .nodal_kernels import (
     CACHED,
     NodalStep,
+    add_fields,
     attachment_values,
     coefficients,
     correct_nodal,
@@ -32,25 +33,15 @@ Array = NDArray[np.float64]
 
 # Below this number of freedoms a second thread costs more than it does, many times so on a busy machine.
 THREADED = 8_000
-AT_REST = np.zeros((3, 3))
 PARTS = 16  # of the freedoms, summed separately so that sums do not depend on the number of threads
 
 
 @dataclass(frozen=True, eq=False)
 class Passes:
-    """What is done on the fields of a step again and again.
-
-    inertia: its forces at the end of the step, into `force`. momentum: M u̇ there, into scratch. product: K's with what is
-    strained there, added to `force`; squared: the same, with u̇ᵀK u̇ at the beginning. energy: K u at the beginning, added to
-    scratch, with u̇ᵀK u̇ where damping asks for it.
-    """
+    """What is done on the fields of a step again and again, and the inertia forces at its end, into `force`."""
 
     step: NodalStep
     inertia: InertiaForces
-    momentum: InertiaForces
-    product: Product
-    squared: Product
-    energy: Product
 
 
 class MeshStep:
@@ -89,12 +80,12 @@ class MeshStep:
         self.correction = self.deflection = 0.0
         self._frame = np.zeros(6)
         self._drive = np.zeros((3, 3))
-        self._scratch = np.zeros(size) if body.damping.mass or body.damping.stiffness else self.force
-        self._strain: float | None = None  # at the present, where it is known
-        self._dissipation: float | None = None  # the same
+        self.damping = DampingPower(body) if body.damping.mass or body.damping.stiffness else None
         self.threaded = body.size >= THREADED
         self.constants = Condensation.none(body)
         self._linear, self._forces = np.zeros(1), np.zeros((3, width - 6))
+        self._relative = np.zeros(2)
+        self._product = body.K.product(self.solution, self.force)
         self._method: GeneralizedAlpha | None = None
         self._prediction, self._gain = np.zeros((3, 4)), np.zeros(4)
         self._sizes, self._work = np.zeros((PARTS, 2)), np.zeros((PARTS, 2, CACHED))
@@ -104,22 +95,12 @@ class MeshStep:
     @property
     def _ahead(self) -> Passes:
         """The passes of the step from the present."""
-        return self._both()[self._present]
-
-    @property
-    def _behind(self) -> Passes:
-        """The passes of the step to the present."""
-        return self._both()[1 - self._present]
-
-    def _both(self) -> tuple[Passes, Passes]:
-        """By the half of the fields that is the present."""
         if self._passes is None:
             self._passes = self._between(*self._fields), self._between(*self._fields[::-1])
-        return self._passes
+        return self._passes[self._present]
 
     def _between(self, now: Array, following: Array) -> Passes:
         """The passes for a step between these fields, (4, nd) each."""
-        inertia, stiffness = self.body.inertia, self.body.K
         u, ud, udd, _ = following
         step = NodalStep(
             self._linear,
@@ -134,15 +115,7 @@ class MeshStep:
             self._work,
             self._sizes,
         )
-        strained = self._scratch if self.body.damping.stiffness else u
-        return Passes(
-            step,
-            inertia.forces(u, ud, udd, self.force),
-            inertia.forces(ud, ud, ud, self._scratch),
-            stiffness.product(strained, self.force),
-            stiffness.product(strained, self.force, now[1]),
-            stiffness.product(now[0], self._scratch, now[1] if self.body.damping.stiffness else NONE),
-        )
+        return Passes(step, self.body.inertia.forces(u, ud, udd, self.force, self._relative))
 
     # constants of a step size
 
@@ -162,11 +135,21 @@ class MeshStep:
 
     def _use(self, constants: Condensation, W: Array, W_Z: Array, W_D: Array) -> None:
         self.constants, self._passes = constants, None
+        self._relative[:] = self._implied()
         width = self._end - self._start
         for target, block in ((W, constants.W), (W_Z, constants.W_Z), (W_D, constants.W_D)):
             square = target[self._block].reshape(width, width)
             square[:] = 0.0
             square[6:, 6:] = block
+
+    def _implied(self) -> tuple[float, float]:
+        """What of u and u̇ is added to the accelerations that inertia forces on the freedoms are found for.
+
+        For damping by mass; and ``K s = (Ŝ s − k₁M s)/k₂``, so that Ŝ⁻¹ of it takes no product with K where a body is stiff
+        for the step. Elsewhere s/k₂ is so large beside what remains that its digits are lost.
+        """
+        (k1, k2), d = self.constants.weights, self.body.damping
+        return (-k1 / k2, d.mass - k1 / k2 * d.stiffness) if self.constants.stiff else (0.0, d.mass)
 
     def _use_method(self, c: GeneralizedAlpha) -> None:
         if c != self._method:
@@ -182,13 +165,11 @@ class MeshStep:
         predict_nodal(self._ahead.step, PARTS)
 
     def residual(self, c: GeneralizedAlpha, motion: MotionState, gravity: Array, base: Array, W: Array) -> None:
-        """Residual at the end of the step without forces at the attachments, ``force = PᵀM a + K u + D u̇``.
+        """Residual at the end of the step without forces at the attachments, ``force = PᵀM a + K s + mass·PᵀM u̇``.
 
-        K and D u̇ have no part along rigid motions: KΦ = 0, and Cᵀu̇ = 0.
-
-        Sets the frame's residual in `base`, and in W the frame's own block about the deformed shape, ``(σ J₆(c))⁻¹``,
-        zero where the frame is prescribed. What damping takes at the beginning of the step is found on the way, while K
-        is read.
+        s = u + stiffness·u̇; K s and M u̇ have no part along rigid motions: KΦ = 0, and Cᵀu̇ = 0. Where the body is stiff,
+        K s is left to `respond`. Sets the frame's residual in `base`, and in W the frame's own block about the deformed
+        shape, ``(σ J₆(c))⁻¹``, zero where the frame is prescribed.
         """
         body, o = self.body, self._offset
         v, w, now = motion.v[o : o + 3], motion.v[o + 3 : o + 6], self._ahead
@@ -196,25 +177,20 @@ class MeshStep:
         self._drive[1], self._drive[2] = w, motion.vd[o + 3 : o + 6]
         S, J = now.inertia.residual(self._drive, self._frame, body.axes if body.floating else None)
         base[self._start : self._start + 6] = self._frame
-        d = body.damping
-        if d.mass:
-            now.momentum.residual(AT_REST, np.empty(6))
-            self._scratch *= d.mass
-            self.force += self._scratch
-        if d.stiffness:
-            np.multiply(self.ud_next, d.stiffness, out=self._scratch)
-            self._scratch += self.u_next
-        if d.stiffness and self._dissipation is None:
-            self._dissipation = d.stiffness * now.squared.add()
-            self._dissipation += self._mass_dissipation()
-        else:
-            now.product.add()
+        if not self.constants.stiff:
+            self.solution[:] = 0.0
+            add_fields(1.0, self.u_next, body.damping.stiffness, self.ud_next, self.solution)
+            self._product.add()
         if body.floating:
             width = self._end - self._start
             frame_compliance(c.sigma, body.inertia.mass, S, J, W[self._block].reshape(width, width))
 
     def respond(self, base: Array) -> None:
         """From the solution the free elastic increments Bᵀδ, ``δ = −P Ŝ⁻¹ force``, into `base`."""
+        if self.constants.stiff:
+            flexibility = 1.0 / self.constants.weights[1]
+            damped = flexibility * self.body.damping.stiffness
+            add_fields(flexibility, self.u_next, damped, self.ud_next, self.solution)
         if self.body.floating:
             self.body.axes.project(self.solution)
         B = self.body.B
@@ -250,7 +226,6 @@ class MeshStep:
         self.udd, self.udd_next = self.udd_next, self.udd
         self.a, self.a_next = self.a_next, self.a
         self._present = 1 - self._present
-        self._strain = self._dissipation = None
 
     def settle(self) -> None:
         """Project u and u̇ on the mean axes again: round-off lets Cᵀu drift."""
@@ -273,40 +248,15 @@ class MeshStep:
         # predicted as the nodes' accelerations are, by the last difference
         vectors.a_differences[0, part] += vectors.a[part] - rounded
 
-    # energies of the present
-
-    def dissipation(self) -> float:
-        """Power (W) that the body's damping takes now; costs a product with K unless a residual has been evaluated since."""
-        if self._dissipation is None:
-            if self.body.damping.stiffness:
-                self._read_stiffness()
-            else:
-                self._dissipation = self._mass_dissipation()
-        assert self._dissipation is not None
-        return self._dissipation
-
-    def _read_stiffness(self) -> None:
-        """Strain energy and dissipation of the present, while K is read once."""
-        self._scratch[:] = 0.0
-        square = self._ahead.energy.add()
-        self._strain = 0.5 * inner_product(self.u, self._scratch)
-        self._dissipation = self.body.damping.stiffness * square + self._mass_dissipation()
-
-    def _mass_dissipation(self) -> float:
-        if not self.body.damping.mass:
-            return 0.0
-        self._behind.momentum.residual(AT_REST, np.empty(6))
-        return self.body.damping.mass * inner_product(self.ud, self._scratch)
-
     def energies(self, motion: MotionState, gravity: Array) -> tuple[float, float, float]:
-        """Kinetic, strain and gravity energy (J) now."""
+        """Kinetic, strain and gravity energy (J) now; costs a product with K."""
+        self.solution[:], self.force[:] = self.u, 0.0
+        self._product.add()
+        strain = 0.5 * inner_product(self.u, self.force)
         o = self._offset
         inertia = self.body.inertia
         kinetic = inertia.kinetic_energy(motion.v[o : o + 3], motion.v[o + 3 : o + 6], self.u, self.ud)
-        if self._strain is None:
-            self._read_stiffness()
-        assert self._strain is not None
         S = inertia.S0 + self.body.axes.C.transposed_times(self.u)[:3]
         b = self.index
         position = inertia.mass * motion.origin[b] + motion.rotation[b] @ S
-        return kinetic, self._strain, -float(gravity @ position)
+        return kinetic, strain, -float(gravity @ position)

@@ -159,6 +159,13 @@ def _largest(x: Array) -> float:
 
 
 @kernel
+def add_fields(a: float, x: Array, b: float, y: Array, out: Array) -> None:
+    """``out += a x + b y``."""
+    for i in range(out.size):
+        out[i] += a * x[i] + b * y[i]
+
+
+@kernel
 def inner_product(x: Array, y: Array) -> float:
     """x · y, in one order: BLAS would share it among its threads."""
     total = 0.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from maggi.bodies.small_bodies import body_mass
 from maggi.bodies.tables import MESH, RITZ
 from maggi.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha, instantaneous
+from maggi.linalg.lanes import WIDTH
 from maggi.model.errors import SimulationError
 from maggi.projection.relative_motion import relative_motion
 from maggi.projection.relative_system import RelativeSystem, relative_system
@@ -96,9 +96,9 @@ class Stepper:
         self._tolerance = tolerance
         self._announce = announce
         self._alike = 0  # how many accelerations before the last belong to the same step size
-        # power (W) that damping of the meshes took at the last instant whose dissipation is in the balance, and the step
+        # power (W) that damping of the meshes took at the last instant whose dissipation is in the balance, and the steps
         # (s) made since
-        self._dissipation, self._unaccounted = 0.0, 0.0
+        self._power, self._unaccounted = 0.0, list[float]()
 
     def set_step(self, h: float) -> None:
         """Prepare for steps of size h (s): matrices of all bodies, factorised once."""
@@ -155,6 +155,7 @@ class Stepper:
         for mesh in self.meshes:
             mesh.write_small(self.trial.accepted, vectors)
         self._alike = 0
+        self._keep_damping(0.0)
         self._show(t)
 
     def _show(self, t: float) -> None:
@@ -228,17 +229,30 @@ class Stepper:
         )
         return reason, done, corrections
 
+    def _keep_damping(self, step: float) -> None:
+        """Have what damping of the meshes takes now, after a step (s), come into the balance."""
+        damped = [mesh for mesh in self.meshes if mesh.damping]
+        if not damped:
+            return
+        if len(self._unaccounted) == WIDTH:
+            self._account()
+        self._unaccounted.append(step)
+        for mesh in damped:
+            assert mesh.damping
+            mesh.damping.keep(mesh.ud)
+
     def _account(self) -> None:
         """Integrate what damping of the meshes has taken up to the present, by the trapezoidal rule.
 
-        A step later than the rest of the balance, where the next residual finds the power on its way; a product with K for
-        each mesh where it is asked for earlier.
+        Some steps later than the rest of the balance: K is read once for four of them.
         """
-        if not self.meshes:
+        if not self._unaccounted:
             return
-        power = math.fsum(mesh.dissipation() for mesh in self.meshes)
-        self.trial.work[1] += 0.5 * self._unaccounted * (self._dissipation + power)
-        self._dissipation, self._unaccounted = power, 0.0
+        powers = np.sum([mesh.damping.find() for mesh in self.meshes if mesh.damping], axis=0)
+        for step, power in zip(self._unaccounted, powers, strict=True):
+            self.trial.work[1] += 0.5 * step * (self._power + float(power))
+            self._power = float(power)
+        self._unaccounted.clear()
 
     def _mesh_steps(self, t: float, steps: int) -> int:
         for k in range(steps):
@@ -261,11 +275,10 @@ class Stepper:
             self.reason, self._alike = iteration.TOO_LARGE, 0
             return False
         self.policy.accepted()
-        self._account()
         self._phase(iteration.ACCEPT, c, t)
-        self._unaccounted = c.h
         for mesh in self.meshes:
             mesh.accept()
+        self._keep_damping(c.h)
         self.counts.steps += 1
         if self.counts.steps % SETTLE == 0:
             for mesh in self.meshes:
