@@ -22,9 +22,7 @@ NONE = np.zeros(2)  # of u and u̇ is added to the accelerations
 class BeamForces:
     """See `InertiaForces`."""
 
-    def __init__(
-        self, inertia: BeamInertia, fields: tuple[Array, Array, Array], nodal: Array, relative: Array
-    ) -> None:
+    def __init__(self, inertia: BeamInertia, fields: tuple[Array, Array, Array], nodal: Array, relative: Array) -> None:
         self._inertia, self._fields, self._nodal, self._relative = inertia, fields, nodal, relative
 
     def residual(self, drive: Array, frame: Array, axes: MeanAxes | None = None) -> tuple[Array, Array]:
