@@ -83,6 +83,16 @@ def _number(typing_context: Any, value: Any, k: Any) -> Any:
     return types.float64(FOUR, types.intp), code
 
 
+def _farther(typing_context: Any, far: Any, value: Any) -> Any:
+    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        far, value = given
+        opposite = builder.fneg(value)
+        size = builder.select(builder.fcmp_ordered(">", value, opposite), value, opposite)
+        return builder.select(builder.fcmp_ordered(">", far, size), far, size)
+
+    return FOUR(FOUR, FOUR), code
+
+
 def _operation(operation: Callable[..., Any], name: str) -> None:
     """Of two fours, or of a number and four."""
 
@@ -113,6 +123,14 @@ put_four: Any = intrinsic(_write)
 """``put_four(array, place, numbers)``: to there."""
 number: Any = intrinsic(_number)
 """``number(numbers, k)``: one of them."""
+farther: Any = intrinsic(_farther)
+"""``farther(far, numbers)``: the larger of far and |numbers|, each of four."""
+
+
+@inner_pass
+def sum_of(numbers):  # type: ignore[no-untyped-def]
+    """The sum of four numbers."""
+    return (number(numbers, 0) + number(numbers, 1)) + (number(numbers, 2) + number(numbers, 3))
 
 
 @inner_pass

@@ -12,6 +12,7 @@ from maggi.bodies.mesh_body import MeshBody
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.allocators import give_back
 from maggi.linalg.factor import Factor, solve_rows
+from maggi.linalg.lanes import WIDTH
 from maggi.linalg.shifted import ShiftedFactors
 
 Array = NDArray[np.float64]
@@ -26,8 +27,9 @@ class Condensation:
     """Constants of a body with k attachments for one step size (Eq. T12).
 
     factor of Ŝ = k₁M + k₂K, k₁ = σ + γh·mass, k₂ = βh² + γh·stiffness. Y = PŜ⁻¹B (nd, 6k), Z = Ŝ⁻¹KY,
-    Z_D = Ŝ⁻¹DY = y Y + z Z, damping being (y, z); W, W_Z, W_D (6k, 6k): Bᵀ of them. responses (k, 12, nd): the six
-    columns of Y and those of Z of every attachment. weights: k₁ and k₂. stiff: whether k₂K outweighs k₁M at most freedoms.
+    Z_D = Ŝ⁻¹DY = y Y + z Z, damping being (y, z); W, W_Z, W_D (6k, 6k): Bᵀ of them. responses (k, g, 12, 4): of every
+    attachment, for four freedoms at a time, zeros after the last, the six columns of Y and those of Z: as the correction reads
+    them. weights: k₁ and k₂. stiff: whether k₂K outweighs k₁M at most freedoms.
     """
 
     factor: Factor | None
@@ -43,32 +45,12 @@ class Condensation:
     def none(body: MeshBody) -> Condensation:
         """Stands where nothing has been factorised yet."""
         n = body.B.shape[1]
-        return Condensation(None, np.zeros((n // 6, 12, 0)), *np.zeros((3, n, n)))
-
-    @property
-    def Y(self) -> Array:
-        """Y (nd, 6k)."""
-        return self._columns(0)
-
-    @property
-    def Z(self) -> Array:
-        """Z (nd, 6k)."""
-        return self._columns(1)
-
-    @property
-    def Z_D(self) -> Array:
-        """Z_D (nd, 6k)."""
-        y, z = self.damping
-        return y * self.Y + z * self.Z
+        return Condensation(None, np.zeros((n // 6, 0, 12, WIDTH)), *np.zeros((3, n, n)))
 
     @property
     def nbytes(self) -> int:
         """Memory that it holds."""
         return self.responses.nbytes + (self.factor.nbytes if self.factor else 0)
-
-    def _columns(self, which: int) -> Array:
-        part = self.responses[:, 6 * which : 6 * which + 6]
-        return part.reshape(-1, part.shape[2]).T
 
 
 class Condensations:
@@ -123,21 +105,24 @@ class Condensations:
         """Attachment by attachment: what works on all columns at once would take memory on top of the factor's."""
         body, d = self._body, self._body.damping
         n = body.B.shape[1]
-        responses = np.zeros((n // 6, 12, body.size))
+        responses = np.zeros((n // 6, -(-body.size // WIDTH), 12, WIDTH))
         W, W_Z = np.zeros((2, n, n))
         for k, response in enumerate(responses):
             columns = slice(6 * k, 6 * k + 6)
             forces = body.B[:, columns].T.toarray()
-            response[:6] = self._response(factor, forces)
-            W[:, columns] = body.B.T @ response[:6].T
+            Y = self._response(factor, forces)
+            _by_fours(Y, response[:, :6])
+            W[:, columns] = body.B.T @ Y.T
             if k2 == 0.0:
                 continue
             forces[:] = 0.0
-            for displacements, force in zip(response[:6], forces, strict=True):
+            for displacements, force in zip(Y, forces, strict=True):
                 body.K.add_product(displacements, force)
             body.set_aside()
-            response[6:] = self._response(factor, forces)
-            W_Z[:, columns] = body.B.T @ response[6:].T
+            del Y
+            Z = self._response(factor, forces)
+            _by_fours(Z, response[:, 6:])
+            W_Z[:, columns] = body.B.T @ Z.T
         W = 0.5 * (W + W.T)
         give_back()
         # D = mass M + stiffness K on mean axes, and M = (Ŝ − k₂K)/k₁
@@ -152,3 +137,11 @@ class Condensations:
             for row in rows:
                 self._body.axes.project(row)
         return rows
+
+
+def _by_fours(rows: Array, out: Array) -> None:
+    """Rows (m, nd) into out (g, m, 4), four of their values at a time."""
+    full, rest = divmod(rows.shape[1], WIDTH)
+    out[:full] = rows[:, : full * WIDTH].reshape(len(rows), full, WIDTH).transpose(1, 0, 2)
+    if rest:
+        out[full, :, :rest] = rows[:, full * WIDTH :]

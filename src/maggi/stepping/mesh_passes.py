@@ -10,7 +10,7 @@ from maggi.bodies.isotropic_inertia import IsotropicInertia
 from maggi.elements.products import SymmetricBlocks
 from maggi.linalg.lanes import WIDTH
 
-from .nodal_kernels import CACHED, NodalStep, correct_nodal, predict_nodal
+from .nodal_kernels import NodalStep, correct_nodal, predict_nodal
 
 
 def compile_passes(*, solids: bool) -> None:
@@ -29,17 +29,17 @@ def compile_passes(*, solids: bool) -> None:
     K = SymmetricBlocks.of(diagonal)
     K.add_product(x, out)
     K.squares(np.zeros((n // 3, 3, WIDTH))).find()
+    groups = -(-n // WIDTH)
     step = NodalStep(
         linear=np.zeros(1),
         prediction=np.zeros((3, 4)),
         gain=np.zeros(4),
-        now=np.zeros((4, n)),
-        following=np.zeros((4, n)),
-        solution=x,
-        responses=np.zeros((1, 12, n)),
-        damping=np.zeros(2),
-        forces=np.zeros((3, 6)),
-        scratch=np.zeros((1, 2, CACHED)),
+        now=np.zeros((4, groups * WIDTH)),
+        following=np.zeros((4, groups * WIDTH)),
+        solution=np.zeros(groups * WIDTH),
+        responses=np.zeros((1, groups, 12, WIDTH)),
+        forces=np.zeros((4, 6)),
+        loaded=np.zeros(1, np.int64),
         sizes=np.zeros((1, 2)),
     )
     predict_nodal(step, 1)

@@ -11,12 +11,12 @@ from maggi.bodies.mesh_body import MeshBody
 from maggi.bodies.mesh_inertia import InertiaForces
 from maggi.bodies.tables import BodyTable, MotionState
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
+from maggi.linalg.lanes import WIDTH
 from maggi.linalg.vectors import cross
 
 from .condensation import Condensation, Condensations
 from .damping_power import DampingPower
 from .nodal_kernels import (
-    CACHED,
     NodalStep,
     add_fields,
     attachment_values,
@@ -71,24 +71,26 @@ class MeshStep:
         self._start, self._end = place, place + width  # in vectors of the step
         self._elastic_part = slice(self._offset + 6, self._offset + width)  # in motions
         self._block = slice(int(table.block[index]), int(table.block[index + 1]))
-        size = body.size
-        fields = np.zeros((2, 4, size))
-        self.u, self.ud, self.udd, self.a = fields[0]
-        self.u_next, self.ud_next, self.udd_next, self.a_next = fields[1]
+        size, places = body.size, -(-body.size // WIDTH) * WIDTH
+        fields = np.zeros((2, 4, places))
+        self.u, self.ud, self.udd, self.a = fields[0, :, :size]
+        self.u_next, self.ud_next, self.udd_next, self.a_next = fields[1, :, :size]
         self.force = np.zeros(size) if force is None else force
-        self.solution = np.zeros(size)
+        self._solution = np.zeros(places)
+        self.solution = self._solution[:size]
         self.correction = self.deflection = 0.0
         self._frame = np.zeros(6)
         self._drive = np.zeros((3, 3))
         self.damping = DampingPower(body) if body.damping.mass or body.damping.stiffness else None
         self.threaded = body.size >= THREADED
         self.constants = Condensation.none(body)
-        self._linear, self._forces = np.zeros(1), np.zeros((3, width - 6))
+        self._linear, self._forces = np.zeros(1), np.zeros((4, width - 6))
+        self._loaded = np.zeros((width - 6) // 6, np.int64)
         self._relative = np.zeros(2)
         self._product = body.K.product(self.solution, self.force)
         self._method: GeneralizedAlpha | None = None
         self._prediction, self._gain = np.zeros((3, 4)), np.zeros(4)
-        self._sizes, self._work = np.zeros((PARTS, 2)), np.zeros((PARTS, 2, CACHED))
+        self._sizes = np.zeros((PARTS, 2))
         self._fields, self._present = fields, 0  # the half of the fields that is the present
         self._passes: tuple[Passes, Passes] | None = None
 
@@ -100,19 +102,18 @@ class MeshStep:
         return self._passes[self._present]
 
     def _between(self, now: Array, following: Array) -> Passes:
-        """The passes for a step between these fields, (4, nd) each."""
-        u, ud, udd, _ = following
+        """The passes for a step between these fields, (4, N) each."""
+        u, ud, udd, _ = following[:, : self.body.size]
         step = NodalStep(
             self._linear,
             self._prediction,
             self._gain,
             now,
             following,
-            self.solution,
+            self._solution,
             self.constants.responses,
-            np.array(self.constants.damping),
             self._forces,
-            self._work,
+            self._loaded,
             self._sizes,
         )
         return Passes(step, self.body.inertia.forces(u, ud, udd, self.force, self._relative))
@@ -200,7 +201,9 @@ class MeshStep:
         """Nodal increments from the free ones and the forces at the attachments, (n,) each (step 6)."""
         part = slice(self._start + 6, self._end)
         self._use_method(c)
-        self._forces[0], self._forces[1], self._forces[2] = force[part], position_force[part], velocity_force[part]
+        (y, z), phi, pi, kappa = self.constants.damping, force[part], position_force[part], velocity_force[part]
+        self._forces[:] = phi + y * kappa, pi, kappa, pi + z * kappa
+        self._loaded[:] = (self._forces != 0.0).reshape(4, -1, 6).any(axis=(0, 2))
         correct_nodal(self._ahead.step, PARTS)
         self.correction = float(np.sqrt(self._sizes[:, 0].sum() / self.u.size))
         self.deflection = float(self._sizes[:, 1].max())

@@ -9,23 +9,24 @@ from numpy.typing import NDArray
 
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.compiling import kernel
+from maggi.linalg.lanes import WIDTH, farther, four, four_at, number, put_four, sum_of
 from maggi.linalg.shared import SharedPass, inner_pass
 from maggi.linalg.table import Table
 
 Array = NDArray[np.float64]
 
-CACHED = 512  # freedoms that a pass over many fields takes at a time, so that what it reads twice is still at hand
+CACHED = 512  # freedoms that the prediction takes at a time, so that what it reads twice is still at hand
 
 
 @dataclass(frozen=True, eq=False)
 class NodalStep(Table):
-    """The nodal fields of a body through a step, and what changes them; all (nd,) where nothing else is said.
+    """The nodal fields of a body through a step, and what changes them; fields have N = 4g ≥ nd places, the last of them zero.
 
     linear (1,): 1 where accelerations are extrapolated by a line, 0 where kept. prediction (3, 4), gain (4,): see
-    `coefficients`. now, following (4, nd): u, u̇, ü and a at the beginning and at the end of the step; before the
-    prediction the last a is that of the step before. solution: Ŝ⁻¹ of the residual. responses (k, 12, nd), damping (2,):
-    see `Condensation`. forces (3, 6k): φ, π, κ. scratch (p, 2, CACHED). sizes (p, 2): sums of δ² and the largest |u| of p
-    equal parts of the freedoms.
+    `coefficients`. now, following (4, N): u, u̇, ü and a at the beginning and at the end of the step; before the
+    prediction the last a is that of the step before. solution (N,): Ŝ⁻¹ of the residual. responses (k, g, 12, 4): see
+    `Condensation`. forces (4, 6k): φ + yκ, π, κ, π + zκ for damping (y, z). loaded (k,): 0 where all forces of an attachment are zero.
+    sizes (p, 2): sums of δ² and the largest |u| of p equal parts of the freedoms.
     """
 
     linear: Array
@@ -35,9 +36,8 @@ class NodalStep(Table):
     following: Array
     solution: Array
     responses: Array
-    damping: Array
     forces: Array
-    scratch: Array
+    loaded: NDArray[np.int64]
     sizes: Array
 
 
@@ -85,77 +85,45 @@ def _combine(weights: Array, x: Array, y: Array, z: Array, w: Array, out: Array)
 @SharedPass
 def correct_nodal(of: NodalStep, part: int, parts: int) -> None:
     """δ = −x − Yφ − Zπ − Z_Dκ and what follows from it, with the shifts Yπ, Yκ (Theory §5, step 6); x becomes −δ."""
-    x, responses, forces, y, z = of.solution, of.responses, of.forces, of.damping[0], of.damping[1]
-    following = of.following
-    scratch = of.scratch[part]
-    total = 0.0
-    largest = 0.0
-    end = x.size * (part + 1) // parts
-    for first in range(x.size * part // parts, end, CACHED):
-        here = slice(first, min(first + CACHED, end))
-        negative = x[here]
-        moved, quickened = scratch[0, : negative.size], scratch[1, : negative.size]
-        moved[:] = 0.0
-        quickened[:] = 0.0
-        for k in range(responses.shape[0]):
-            six = slice(6 * k, 6 * k + 6)
-            phi, pi, kappa, Y, Z = forces[0, six], forces[1, six], forces[2, six], responses[k, :6], responses[k, 6:]
-            if _nonzero(phi) + _nonzero(pi) + _nonzero(kappa) == 0:
-                continue
-            _add_columns(Y, phi, y, kappa, here, negative)
-            _add_columns(Z, pi, z, kappa, here, negative)
-            _add_columns(Y, pi, 0.0, pi, here, moved)
-            _add_columns(Y, kappa, 0.0, kappa, here, quickened)
-        for r in range(4):
-            _add(-of.gain[r], negative, following[r][here])
-        for r in range(2):
-            _add(1.0, scratch[r, : negative.size], following[r][here])
-        total += inner_product(negative, negative)
-        largest = max(largest, _largest(following[0][here]))
-    of.sizes[part, 0] = total
-    of.sizes[part, 1] = largest
+    x, following, groups = of.solution, of.following, of.responses.shape[1]
+    size = following.shape[1]
+    total = largest = four(0.0)
+    for g in range(groups * part // parts, groups * (part + 1) // parts):
+        place = WIDTH * g
+        negative, moved, quickened = four_at(x, place), four(0.0), four(0.0)
+        for k in range(of.loaded.size):
+            if of.loaded[k] != 0:
+                negative, moved, quickened = _respond(of, k, g, negative, moved, quickened)
+        put_four(x, place, negative)
+        u = four_at(following, place) + (moved + -of.gain[0] * negative)
+        put_four(following, place, u)
+        _add_four(following, size + place, quickened + -of.gain[1] * negative)
+        for r in range(2, 4):
+            _add_four(following, r * size + place, -of.gain[r] * negative)
+        total += negative * negative
+        largest = farther(largest, u)
+    of.sizes[part, 0] = sum_of(total)
+    of.sizes[part, 1] = max(max(number(largest, 0), number(largest, 1)), max(number(largest, 2), number(largest, 3)))
 
 
 @inner_pass
-def _add_columns(columns: Array, weights: Array, factor: float, more: Array, here: slice, out: Array) -> None:
-    """``out += columnsᵀ (weights + factor more)`` of the freedoms here; columns (6, nd), weights, more (6,)."""
-    y0, y1, y2, y3, y4, y5 = (
-        columns[0][here],
-        columns[1][here],
-        columns[2][here],
-        columns[3][here],
-        columns[4][here],
-        columns[5][here],
-    )
-    w0, w1, w2 = weights[0] + factor * more[0], weights[1] + factor * more[1], weights[2] + factor * more[2]
-    w3, w4, w5 = weights[3] + factor * more[3], weights[4] + factor * more[4], weights[5] + factor * more[5]
-    for i in range(out.size):
-        out[i] += y0[i] * w0 + y1[i] * w1 + y2[i] * w2 + y3[i] * w3 + y4[i] * w4 + y5[i] * w5
+def _respond(of, k, g, negative, moved, quickened):  # type: ignore[no-untyped-def]
+    """What forces at an attachment add to −δ and to the shifts of u and u̇, at four freedoms."""
+    responses, forces = of.responses, of.forces
+    place = 12 * WIDTH * (k * responses.shape[1] + g)
+    for j in range(6):
+        Y = four_at(responses, place + WIDTH * j)
+        negative += forces[0, 6 * k + j] * Y
+        moved += forces[1, 6 * k + j] * Y
+        quickened += forces[2, 6 * k + j] * Y
+    for j in range(6):
+        negative += forces[3, 6 * k + j] * four_at(responses, place + WIDTH * (6 + j))
+    return negative, moved, quickened
 
 
 @inner_pass
-def _add(factor: float, x: Array, out: Array) -> None:
-    """``out += factor x``."""
-    for i in range(out.size):
-        out[i] += factor * x[i]
-
-
-@inner_pass
-def _nonzero(x: Array) -> int:
-    """How many values are not zero; what is not finite counts."""
-    count = 0
-    for i in range(x.size):
-        count += 1 if x[i] != 0.0 else 0
-    return count
-
-
-@inner_pass
-def _largest(x: Array) -> float:
-    """The largest absolute value."""
-    largest = 0.0
-    for i in range(x.size):
-        largest = max(largest, abs(x[i]))
-    return largest
+def _add_four(x, place, more):  # type: ignore[no-untyped-def]
+    put_four(x, place, four_at(x, place) + more)
 
 
 @kernel
