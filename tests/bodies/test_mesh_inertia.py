@@ -131,7 +131,7 @@ def test_residual_on_mean_axes(case, seed):
     axes = inertia.mean_axes(Phi, C, Phi.T @ C)
     nodal, frame, free, of_free = (np.empty(len(u)), np.empty(6), np.empty(len(u)), np.empty(6))
     inertia.forces(u, ud, udd, free).residual(np.array([a_O, w, eps]), of_free)
-    inertia.forces(u, ud, udd, nodal).residual(np.array([a_O, w, eps]), frame, axes)
+    inertia.forces(u, ud, udd, nodal, axes=axes).residual(np.array([a_O, w, eps]), frame)
     expected = free - C @ np.linalg.solve(Phi.T @ C, Phi.T @ free)
     np.testing.assert_allclose(nodal, expected, rtol=0, atol=1e-12 * np.abs(free).max())
     close(frame, of_free)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from maggi.linalg import team as module
 from maggi.linalg.atomics import load, store
 from maggi.linalg.shared import SharedPass
-from maggi.linalg.table import Table, numba_type
-from maggi.linalg.team import Team
+from maggi.linalg.table import Table
+from maggi.linalg.team import Team, share
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ def count(of, part, parts):
 
 def done(team, counts, effort, threads):
     work = Work(counts, effort, np.zeros(counts.size))
-    team.run(count._address(numba_type(work)), work.__dict__["_address"], counts.size, threads)
+    share(team.crew(threads), count.entry(work), work.__dict__["_address"], counts.size)
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +76,7 @@ def test_the_parts_of_others_are_waited_for(trio):
         counts, effort = np.zeros(4, np.int64), np.array([2_000, 200_000, 200_000, 200_000])
         work = Work(counts, effort, np.zeros(4))
         kept.append(work)
-        trio.run(count._address(numba_type(work)), work.__dict__["_address"], 4, 4)
+        share(trio.crew(4), count.entry(work), work.__dict__["_address"], 4)
         assert counts.tolist() == [1, 1, 1, 1]
 
 
@@ -106,7 +106,7 @@ def test_others_take_part(trio, wait):
         time.sleep(wait)
         begun = np.zeros(2, np.int64)
         table = Meeting(begun, np.array([begun.ctypes.data]), np.zeros(2, np.int64))
-        trio.run(meet._address(numba_type(table)), table.__dict__["_address"], 2, 2)
+        share(trio.crew(2), meet.entry(table), table.__dict__["_address"], 2)
         assert table.met.tolist() == [1, 1]
 
 

@@ -16,7 +16,7 @@ from maggi.results.memory import MemoryRecorder
 from maggi.stepping import nodal_kernels
 from maggi.stepping.mesh_passes import compile_passes
 
-SOLIDS = [isotropic_kernels.accelerations, isotropic_kernels.inertia_forces, isotropic_kernels.gather_tied]
+SOLIDS = [isotropic_kernels.accelerations, isotropic_kernels.inertia_forces]
 ALL = [products._multiply, products._add_up, nodal_kernels.predict_nodal, nodal_kernels.correct_nodal]
 BOX = BoxMesh((0.4, 0.1, 0.1), (2, 1, 1), "tet10")
 MATERIAL = Material(7800.0, 2e11, 0.3, Damping(0.1, 1e-6))

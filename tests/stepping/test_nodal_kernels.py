@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 from maggi.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha
 from maggi.linalg.lanes import WIDTH
-from maggi.stepping.nodal_kernels import CACHED, NodalStep, coefficients, correct_nodal, predict_nodal
+from maggi.stepping.nodal_kernels import CACHED, Columns, NodalStep, coefficients, correct_nodal, predict_nodal
 
 PARTS, ATTACHMENTS = 3, 2
 METHODS = [generalized_alpha(1e-2, 0.8), generalized_alpha(0.5, 0.0)]
@@ -23,7 +24,10 @@ def step(c: GeneralizedAlpha, size: int, linear: float = 1.0) -> NodalStep:
         now=rng.normal(size=(4, size)),
         following=rng.normal(size=(4, size)),
         solution=rng.normal(size=size),
+        implied=np.zeros(2),
+        columns=Columns.of(sp.csc_matrix((size, 6 * ATTACHMENTS))),
         responses=rng.normal(size=(ATTACHMENTS, size // WIDTH, 12, WIDTH)),
+        damping=np.zeros(2),
         forces=rng.normal(size=(4, 6 * ATTACHMENTS)),
         loaded=np.ones(ATTACHMENTS, np.int64),
         sizes=np.full((PARTS, 2), np.nan),

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from maggi.bodies.mesh_body import MeshBody
 from maggi.linalg.factor import FEW, solve_rows
 from maggi.stepping.condensation import Condensations
-from maggi.stepping.nodal_kernels import inner_product
+from maggi.stepping.mesh_kernels import inner_product
 
 Array = NDArray[np.float64]
 

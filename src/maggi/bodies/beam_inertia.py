@@ -22,12 +22,22 @@ NONE = np.zeros(2)  # of u and u̇ is added to the accelerations
 class BeamForces:
     """See `InertiaForces`."""
 
-    def __init__(self, inertia: BeamInertia, fields: tuple[Array, Array, Array], nodal: Array, relative: Array) -> None:
-        self._inertia, self._fields, self._nodal, self._relative = inertia, fields, nodal, relative
+    def __init__(
+        self,
+        inertia: BeamInertia,
+        fields: tuple[Array, Array, Array],
+        nodal: Array,
+        relative: Array,
+        axes: MeanAxes | None,
+    ) -> None:
+        self._inertia, self._fields, self._nodal, self._relative, self._axes = inertia, fields, nodal, relative, axes
 
-    def residual(self, drive: Array, frame: Array, axes: MeanAxes | None = None) -> tuple[Array, Array]:
+    def residual(self, drive: Array, frame: Array) -> tuple[Array, Array]:
         """See `InertiaForces.residual`."""
-        return self._inertia.evaluate(self._fields, self._nodal, self._relative, drive, frame, axes)
+        found = self._inertia.evaluate(self._fields, self._nodal, self._relative, drive, frame)
+        if self._axes is not None:
+            self._axes.project_forces(self._nodal)
+        return found
 
 
 class BeamInertia:
@@ -46,9 +56,17 @@ class BeamInertia:
         self._blocks = np.ascontiguousarray(np.stack([block.data for block in blocks], axis=1))
         self._scalars = np.empty(21)
 
-    def forces(self, u: Array, ud: Array, udd: Array, nodal: Array, relative: Array | None = None) -> BeamForces:
+    def forces(
+        self,
+        u: Array,
+        ud: Array,
+        udd: Array,
+        nodal: Array,
+        relative: Array | None = None,
+        axes: MeanAxes | None = None,
+    ) -> BeamForces:
         """See `MeshInertia.forces`."""
-        return BeamForces(self, (u, ud, udd), nodal, NONE if relative is None else relative)
+        return BeamForces(self, (u, ud, udd), nodal, NONE if relative is None else relative, axes)
 
     def squares(self, fields: Array) -> Array:
         """See `MeshInertia.squares`."""
@@ -56,15 +74,9 @@ class BeamInertia:
         return np.asarray(np.einsum("nk,nk->k", flat, self.matrix @ flat))
 
     def evaluate(
-        self,
-        fields: tuple[Array, Array, Array],
-        nodal: Array,
-        relative: Array,
-        drive: Array,
-        frame: Array,
-        axes: MeanAxes | None,
+        self, fields: tuple[Array, Array, Array], nodal: Array, relative: Array, drive: Array, frame: Array
     ) -> tuple[Array, Array]:
-        """See `InertiaForces.residual`."""
+        """See `InertiaForces.residual`; without mean axes."""
         (u, ud, udd), (a_O, w, eps) = fields, drive
         sums = self._scalars
         _beam_pass(self._indptr, self._indices, self._blocks, w, eps, relative, u, ud, udd, nodal, sums)
@@ -79,8 +91,6 @@ class BeamInertia:
         frame[3:] += self._s @ udd + sums[9:12]
         coupling = self._s2 @ ud + sums[12:].reshape(3, 3)  # [l, k]: (s_lk + H_lk δ)·δ̇
         frame[3:] -= 2.0 * w @ coupling
-        if axes is not None:
-            axes.project_forces(nodal)
         return S, J
 
     def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
@@ -118,7 +128,7 @@ class BeamInertia:
     def mean_axes(self, Phi: Array, C: Array, J6: Array) -> MeanAxes:
         """See `MeshInertia.mean_axes`."""
         none = np.empty(0), np.empty((0, 3))
-        return MeanAxes(RigidColumns.of(Phi, *none), RigidColumns.of(C, *none), J6)
+        return MeanAxes.of(RigidColumns.of(Phi, *none), RigidColumns.of(C, *none), J6)
 
     def _block_matrix(self, i: int) -> sp.bsr_matrix:
         """M, G_1 … G_3, H_11, H_12 … H_33 by number."""

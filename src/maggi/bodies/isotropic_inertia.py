@@ -10,6 +10,7 @@ from maggi.elements.moving_frame import InertiaConstants, contracted
 from maggi.linalg.factor import Factor, factorise
 from maggi.linalg.lanes import WIDTH
 from maggi.linalg.paged import moved, release
+from maggi.linalg.shared import crew
 
 from .freedoms import Freedoms
 from .isotropic_factor import IsotropicFactor
@@ -17,7 +18,7 @@ from .isotropic_kernels import (
     NodalForces,
     NodalSquares,
     accelerations,
-    gather_tied,
+    evaluate,
     inertia_forces,
     nodal_squares,
     three_times,
@@ -32,12 +33,17 @@ PARTS = 16  # of the nodes, summed separately so that sums do not depend on the 
 class IsotropicForces:
     """See `InertiaForces`."""
 
-    def __init__(self, inertia: IsotropicInertia, of: NodalForces) -> None:
-        self._inertia, self._of = inertia, of
+    def __init__(self, of: NodalForces) -> None:
+        self._of = of
+        self._entries = np.array([accelerations.entry(of), inertia_forces.entry(of)])
 
-    def residual(self, drive: Array, frame: Array, axes: MeanAxes | None = None) -> tuple[Array, Array]:
+    def residual(self, drive: Array, frame: Array) -> tuple[Array, Array]:
         """See `InertiaForces.residual`."""
-        return self._inertia.evaluate(self._of, drive, frame, axes)
+        of = self._of
+        of.drive[:] = drive
+        evaluate(of, self._entries, crew())
+        frame[:] = of.wrench
+        return of.S, of.J
 
 
 class IsotropicInertia:
@@ -68,7 +74,6 @@ class IsotropicInertia:
         self._starts[0], self._starts[-1] = 0, len(nodes)
         self._field, self._on_tied = np.zeros((len(nodes) + 1, 6)), np.empty((self._tied, 6))
         self._of_tied = np.empty((3, self._tied, 3))
-        self._drive, self._rigid, self._moved = np.empty(9), np.zeros(6), np.zeros(15)
         self._sums, self._wrenches = np.zeros((PARTS, 15)), np.zeros((PARTS, 6))
 
     @property
@@ -96,7 +101,15 @@ class IsotropicInertia:
         """See `MeshInertia.set_aside`."""
         release(self._mu.data, self._mu.indices)
 
-    def forces(self, u: Array, ud: Array, udd: Array, nodal: Array, relative: Array | None = None) -> IsotropicForces:
+    def forces(
+        self,
+        u: Array,
+        ud: Array,
+        udd: Array,
+        nodal: Array,
+        relative: Array | None = None,
+        axes: MeanAxes | None = None,
+    ) -> IsotropicForces:
         """See `MeshInertia.forces`."""
         of = NodalForces(
             self._mu.indptr,
@@ -108,8 +121,8 @@ class IsotropicInertia:
             self._moments,
             self._freedoms.master,
             self._freedoms.arm,
-            self._drive,
-            self._rigid,
+            axes.inverse if axes else np.zeros((6, 6)),
+            np.empty((3, 3)),
             np.zeros(2) if relative is None else relative,
             u,
             ud,
@@ -120,33 +133,13 @@ class IsotropicInertia:
             self._on_tied,
             self._sums,
             self._wrenches,
+            self.S0,
+            self.J0,
+            np.empty(6),
+            np.empty(3),
+            np.empty((3, 3)),
         )
-        return IsotropicForces(self, of)
-
-    def evaluate(self, of: NodalForces, drive: Array, frame: Array, axes: MeanAxes | None) -> tuple[Array, Array]:
-        """The forces of the accelerations that drive (3, 3), a_O, ω and ε, says, on the freedoms and on the frame; S and J.
-
-        Pᵀμa = μa − C g with g = J₆⁻¹Cᵀa, which is known before μa is.
-        """
-        self._drive[:] = drive.ravel()
-        accelerations(of, PARTS)
-        self._sums.sum(axis=0, out=self._moved)
-        if axes is None:
-            self._rigid[:] = 0.0
-        else:
-            np.dot(axes.inverse, self._moved[9:], out=self._rigid)
-        inertia_forces(of, PARTS)
-        if self._tied:
-            gather_tied(of, 1)
-        self._wrenches.sum(axis=0, out=frame)
-        return self._deformed()
-
-    def _deformed(self) -> tuple[Array, Array]:
-        """S and J from the sums ``Σ w u`` and the upper triangle of ``Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ``."""
-        xx, xy, xz, yy, yz, zz = self._moved[3:9].tolist()
-        J = np.array(((yy + zz, -xy, -xz), (-xy, xx + zz, -yz), (-xz, -yz, xx + yy)))
-        J += self.J0
-        return self.S0 + self._moved[:3], J
+        return IsotropicForces(of)
 
     def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
         spin = np.array([[0.0, w[2], -w[1]], [-w[2], 0.0, w[0]], [w[1], -w[0], 0.0]])  # x spin = ω × x
@@ -191,7 +184,7 @@ class IsotropicInertia:
     def mean_axes(self, Phi: Array, C: Array, J6: Array) -> MeanAxes:
         """See `MeshInertia.mean_axes`."""
         f = self._free
-        return MeanAxes(
+        return MeanAxes.of(
             RigidColumns.of(Phi, np.ones(f), self._nodes[:f]),
             RigidColumns.of(C, self._weights[:f], self._moments[:f]),
             J6,

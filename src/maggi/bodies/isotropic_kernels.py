@@ -7,10 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from maggi.linalg.compiling import kernel
+from maggi.linalg.compiling import inner_kernel, kernel
 from maggi.linalg.lanes import four, four_at, number, put_four, three_fours
 from maggi.linalg.shared import SharedPass, inner_pass
-from maggi.linalg.table import Table
+from maggi.linalg.table import Table, address
+from maggi.linalg.team import Crew, share
+
+from .mean_axes import times_six
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -22,10 +25,10 @@ class NodalForces(Table):
 
     indptr, indices, values: μ (n, n) by rows, of which part p has those from starts[p] to starts[p + 1]. nodes (n, 3).
     weights (n,), moments (n, 3): row sums of μ, and μ times the nodes. master (t,), arm (t, 3): see `Freedoms`.
-    drive (9,): a_O less gravity, ω, ε. rigid (6,): g of `inertia_forces`. relative (2,): what of u and u̇ is added to the
-    accelerations for the freedoms. u, ud, udd, nodal (3b,). tied (3, t, 3): u, u̇, ü of tied nodes. field (n + 1, 6):
-    accelerations for the frame, for the freedoms; the last row is read, but not used. on_tied (t, 6): forces.
-    sums (p, 15), wrenches (p, 6): by part.
+    mean_axes (6, 6): J₆⁻¹ where forces on the freedoms are Pᵀ of what they would be, else 0. drive (3, 3): a_O less gravity, ω, ε.
+    relative (2,): what of u and u̇ is added to the accelerations for the freedoms. u, ud, udd, nodal (3b,). tied (3, t, 3): u, u̇, ü
+    of tied nodes. field (n + 1, 6): accelerations for the frame, for the freedoms; the last row is read, but not used. on_tied
+    (t, 6): forces. sums (p, 15), wrenches (p, 6): by part. S0, J0: of the undeformed body. wrench (6,), S (3,), J (3, 3): found.
     """
 
     indptr: NDArray[np.int32]
@@ -37,8 +40,8 @@ class NodalForces(Table):
     moments: Array
     master: IntArray
     arm: Array
+    mean_axes: Array
     drive: Array
-    rigid: Array
     relative: Array
     u: Array
     ud: Array
@@ -49,6 +52,11 @@ class NodalForces(Table):
     on_tied: Array
     sums: Array
     wrenches: Array
+    S0: Array
+    J0: Array
+    wrench: Array
+    S: Array
+    J: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,17 +132,7 @@ def _carry(x, master, arm, out):  # type: ignore[no-untyped-def]
 def _accelerate(drive, relative, X, u, ud, udd, out):  # type: ignore[no-untyped-def]
     """T4 at nodes with these displacements and rates, and with what is relative added."""
     p, q = relative[0], relative[1]
-    a0, a1, a2, w0, w1, w2, e0, e1, e2 = (
-        drive[0],
-        drive[1],
-        drive[2],
-        drive[3],
-        drive[4],
-        drive[5],
-        drive[6],
-        drive[7],
-        drive[8],
-    )
+    (a0, a1, a2), (w0, w1, w2), (e0, e1, e2) = _three(drive[0]), _three(drive[1]), _three(drive[2])
     for n in range(X.shape[0]):
         u0, u1, u2, v0, v1, v2 = u[n, 0], u[n, 1], u[n, 2], ud[n, 0], ud[n, 1], ud[n, 2]
         c0, c1, c2 = X[n, 0] + u0, X[n, 1] + u1, X[n, 2] + u2
@@ -146,6 +144,11 @@ def _accelerate(drive, relative, X, u, ud, udd, out):  # type: ignore[no-untyped
         f2 = a2 + e0 * c1 - e1 * c0 + w0 * y1 - w1 * y0 + udd[n, 2]
         out[n, 0], out[n, 1], out[n, 2] = f0, f1, f2
         out[n, 3], out[n, 4], out[n, 5] = f0 + p * u0 + q * v0, f1 + p * u1 + q * v1, f2 + p * u2 + q * v2
+
+
+@inner_pass
+def _three(x):  # type: ignore[no-untyped-def]
+    return x[0], x[1], x[2]
 
 
 @inner_pass
@@ -180,7 +183,7 @@ def inertia_forces(of: NodalForces, part: int, parts: int) -> None:
     """F = μ a: less C g on free nodes' blocks, whole on tied nodes; resultant and moment Φ(c)ᵀF of the free to `wrenches`."""
     indptr, indices, values, field = of.indptr, of.indices, of.values, of.field
     X, u, nodal, on_tied = of.nodes, of.u.reshape(-1, 3), of.nodal.reshape(-1, 3), of.on_tied
-    weights, moments, g = of.weights, of.moments, of.rigid
+    weights, moments, g = of.weights, of.moments, _rigid_part(of)
     free = X.shape[0] - on_tied.shape[0]
     total = of.wrenches[part]
     total[:] = 0.0
@@ -199,14 +202,43 @@ def inertia_forces(of: NodalForces, part: int, parts: int) -> None:
             tied[0], tied[1], tied[2], tied[3], tied[4], tied[5] = y0, y1, y2, z0, z1, z2
 
 
-@SharedPass
-def gather_tied(of: NodalForces, part: int, parts: int) -> None:
-    """What `inertia_forces` leaves on tied nodes, less C g, on their attachments' blocks, and all on the frame; in one part."""
+@inner_kernel
+def _rigid_part(of):  # type: ignore[no-untyped-def]
+    """g = J₆⁻¹Cᵀa, six numbers, from what the parts have summed; 0 without mean axes."""
+    sums = of.sums
+    f0 = f1 = f2 = m0 = m1 = m2 = 0.0
+    for p in range(sums.shape[0]):
+        f0 += sums[p, 9]
+        f1 += sums[p, 10]
+        f2 += sums[p, 11]
+        m0 += sums[p, 12]
+        m1 += sums[p, 13]
+        m2 += sums[p, 14]
+    return times_six(of.mean_axes, (f0, f1, f2, m0, m1, m2))
+
+
+@kernel
+def evaluate(of: NodalForces, entries: IntArray, crew: Crew) -> None:
+    """All that follows from the fields and `drive`: forces on the freedoms, resultants for the frame, S and J.
+
+    Pᵀμa = μa − C g with g = J₆⁻¹Cᵀa, which is known before μa is. entries: of `accelerations` and `inertia_forces`.
+    """
+    parts = of.sums.shape[0]
+    share(crew, entries[0], address(of), parts)
+    share(crew, entries[1], address(of), parts)
+    _gather_tied(of)
+    _sum_up(of)
+
+
+@inner_kernel
+def _gather_tied(of):  # type: ignore[no-untyped-def]
+    """What `inertia_forces` leaves on tied nodes, less C g, on their attachments' blocks, and all on the frame."""
     X, nodal, d, on_tied, frame = of.nodes, of.nodal.reshape(-1, 3), of.tied[0], of.on_tied, of.wrenches[0]
-    weights, moments, g = of.weights, of.moments, of.rigid
+    weights, moments, g = of.weights, of.moments, _rigid_part(of)
     free = X.shape[0] - on_tied.shape[0]
     for b in range(free, nodal.shape[0]):
-        nodal[b, :] = 0.0
+        for i in range(3):
+            nodal[b, i] = 0.0
     for k in range(on_tied.shape[0]):
         n, b, r, y = free + k, of.master[k], of.arm[k], on_tied[k]
         _add_wrench(y[0], y[1], y[2], X[n, 0] + d[k, 0], X[n, 1] + d[k, 1], X[n, 2] + d[k, 2], frame)
@@ -217,6 +249,32 @@ def gather_tied(of: NodalForces, part: int, parts: int) -> None:
         nodal[b + 1, 0] += r[1] * x2 - r[2] * x1
         nodal[b + 1, 1] += r[2] * x0 - r[0] * x2
         nodal[b + 1, 2] += r[0] * x1 - r[1] * x0
+
+
+@inner_kernel
+def _sum_up(of):  # type: ignore[no-untyped-def]
+    """The frame's resultants, and S and J from the sums ``Σ w u`` and the upper triangle of ``Σ (μX) uᵀ + u (μX)ᵀ + w u uᵀ``."""
+    sums, wrenches, wrench, S, J = of.sums, of.wrenches, of.wrench, of.S, of.J
+    for i in range(6):
+        wrench[i] = 0.0
+        for p in range(wrenches.shape[0]):
+            wrench[i] += wrenches[p, i]
+    xx = xy = xz = yy = yz = zz = 0.0
+    for i in range(3):
+        S[i] = of.S0[i]
+    for p in range(sums.shape[0]):
+        for i in range(3):
+            S[i] += sums[p, i]
+        xx += sums[p, 3]
+        xy += sums[p, 4]
+        xz += sums[p, 5]
+        yy += sums[p, 6]
+        yz += sums[p, 7]
+        zz += sums[p, 8]
+    J0 = of.J0
+    J[0, 0], J[1, 1], J[2, 2] = J0[0, 0] + yy + zz, J0[1, 1] + xx + zz, J0[2, 2] + xx + yy
+    J[0, 1], J[0, 2], J[1, 2] = J0[0, 1] - xy, J0[0, 2] - xz, J0[1, 2] - yz
+    J[1, 0], J[2, 0], J[2, 1] = J[0, 1], J[0, 2], J[1, 2]
 
 
 @inner_pass

@@ -19,12 +19,12 @@ Array = NDArray[np.float64]
 class InertiaForces(Protocol):
     """The inertia forces of one set of fields, to be found again and again."""
 
-    def residual(self, drive: Array, frame: Array, axes: MeanAxes | None = None) -> tuple[Array, Array]:
+    def residual(self, drive: Array, frame: Array) -> tuple[Array, Array]:
         """Inertia forces on the freedoms, in the array that they were asked for in, and on the frame, `frame` (6,).
 
-        drive (3, 3): acceleration a_O of the frame's origin less gravity, ω and ε, body axes. Eq. T2, T5, T5a. With mean
-        axes given, forces on the freedoms are Pᵀ of what they would be (T6). Returns the first moment S (3,)
-        and the inertia J (3, 3) about the frame's origin, deformed, J to first order lumped in u²; valid until the next call.
+        drive (3, 3): acceleration a_O of the frame's origin less gravity, ω and ε, body axes. Eq. T2, T5, T5a. Returns the
+        first moment S (3,) and the inertia J (3, 3) about the frame's origin, deformed, J to first order lumped in u²; valid
+        until the next call.
         """
 
 
@@ -42,11 +42,19 @@ class MeshInertia(Protocol):
     def set_aside(self) -> None:
         """Lets the system take back the memory of M until it is next read."""
 
-    def forces(self, u: Array, ud: Array, udd: Array, nodal: Array, relative: Array | None = None) -> InertiaForces:
+    def forces(
+        self,
+        u: Array,
+        ud: Array,
+        udd: Array,
+        nodal: Array,
+        relative: Array | None = None,
+        axes: MeanAxes | None = None,
+    ) -> InertiaForces:
         """Of the fields in these arrays, at any time, on the freedoms, `nodal` (nd,).
 
         relative (2,): p and q, if given; then ``M (p u + q u̇)`` is added to the forces on the freedoms, not to those on the
-        frame.
+        frame. axes: if given, forces on the freedoms are Pᵀ of what they would be (T6).
         """
 
     def squares(self, fields: Array) -> Array:

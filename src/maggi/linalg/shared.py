@@ -13,7 +13,7 @@ from numba import get_num_threads, njit, types
 
 from . import compiling as compiling  # for its effect
 from .table import Table, TableType, numba_type
-from .team import team
+from .team import Crew, share, team
 
 _njit: Any = njit  # its types leave out the entries that it can do without
 P = ParamSpec("P")
@@ -25,6 +25,12 @@ def inner_pass(function: Callable[P, R]) -> Callable[P, R]:
     """What kernels of passes are made of: products and sums may be contracted there too; only compiled functions call it."""
     compiled: Callable[P, R] = _njit(no_cfunc_wrapper=True, **_OPTIONS)(function)
     return compiled
+
+
+def crew() -> Crew:
+    """The threads that share passes now, as many as numba's."""
+    threads = int(get_num_threads())
+    return team(threads).crew(threads)
 
 
 class SharedPass:
@@ -43,12 +49,15 @@ class SharedPass:
 
     def __call__(self, table: Table, parts: int) -> None:
         """Do all parts; they are `parts` in number."""
+        share(crew(), self.entry(table), table.__dict__["_address"], parts)
+
+    def entry(self, table: Table) -> int:
+        """The kernel's address for tables such as this one, for compiled code that calls ``share(crew, entry, address(table), parts)``."""
         kind = numba_type(table)
         address = self._addresses.get(kind)
         if address is None:
             address = self._addresses[kind] = self._address(kind)
-        threads = int(get_num_threads())
-        team(threads).run(address, table.__dict__["_address"], parts, threads)
+        return address
 
     def _address(self, kind: TableType) -> int:
         signature = (kind, types.int64, types.int64)

@@ -20,7 +20,7 @@ from numba import types
 from numba.core import cgutils
 from numba.core.imputils import lower_getattr_generic
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
-from numba.extending import NativeValue, models, register_model, unbox
+from numba.extending import NativeValue, intrinsic, models, register_model, unbox
 from numba.np import arrayobj
 from numpy.typing import NDArray
 
@@ -190,3 +190,14 @@ def _field(context: Any, builder: Any, table: TableType, value: Any, name: str) 
         meminfo=None,
     )
     return array._getvalue()
+
+
+def _address_of(typing_context: Any, table: Any) -> Any:
+    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return builder.ptrtoint(values[0], WORD)
+
+    return types.int64(table), code
+
+
+address: Any = intrinsic(_address_of)
+"""``address(table)``: of its directory, in compiled code."""

@@ -12,13 +12,16 @@ import ctypes
 import os
 import sys
 import threading
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numba import config
+from numpy.typing import NDArray
 
 from .atomics import add, call_acquire, call_part, call_release, call_yield, exchange, load, store
 from .compiling import inner_kernel, kernel, part_kernel
+from .table import Table
 
 _settings: Any = config
 MOST = 8  # threads that share a pass: it is bound by memory, and each has to be woken
@@ -34,6 +37,16 @@ DONE, KERNEL, TABLE, PARTS, THREADS, STOPPED, TICKET, ASLEEP, LINE = 0, 64, 72, 
 NEXT = 0xFFFFFFFF
 
 
+@dataclass(frozen=True, eq=False)
+class Crew(Table):
+    """Those of a team who share passes, for compiled code: the team's place and two functions of the system (3,), and the locks of
+    the threads besides the one that calls.
+    """
+
+    numbers: NDArray[np.int64]
+    locks: NDArray[np.int64]
+
+
 class Team:
     """Threads that wait for passes; they end with the program."""
 
@@ -46,16 +59,18 @@ class Team:
             threading.Thread(target=_work, args=(self._base, k, _ACQUIRE, int(lock)), daemon=True)
             for k, lock in enumerate(self._locks, start=1)
         ]
+        self._crews: dict[int, Crew] = {}
         for thread in self._threads:
             thread.start()  # the first compiles what they do; until then passes go on without them
 
-    def run(self, kernel: int, table: int, parts: int, threads: int) -> None:
-        """All parts of a pass, in as many threads at most, the one that calls among them.
-
-        kernel, table : addresses; the kernel is called as ``kernel(table, part, parts)`` for every part.
-        """
-        helpers = min(threads - 1, len(self._threads), parts - 1)
-        _run(self._base, kernel, table, parts, self._locks[: max(helpers, 0)], _RELEASE, _YIELD)
+    def crew(self, threads: int) -> Crew:
+        """As many threads at most as share a pass, the one that calls among them."""
+        helpers = max(min(threads - 1, len(self._threads)), 0)
+        found = self._crews.get(helpers)
+        if found is None:
+            numbers = np.array([self._base, _RELEASE, _YIELD])
+            found = self._crews[helpers] = Crew(numbers, self._locks[:helpers].copy())
+        return found
 
     def stop(self) -> None:
         """End the threads: compiled code must not run on while the program is taken down."""
@@ -170,8 +185,10 @@ def _wake(base: int, locks: Any, release: int) -> None:
 
 
 @kernel
-def _run(base: int, kernel: int, table: int, parts: int, locks: Any, release: int, give_way: int) -> None:
-    """A pass, with as many others as there are locks."""
+def share(crew: Any, kernel: int, table: int, parts: int) -> None:
+    """All parts of a pass: the kernel, by its address, is called as ``kernel(table, part, parts)`` for every part."""
+    base, release, give_way = crew.numbers[0], crew.numbers[1], crew.numbers[2]
+    locks = crew.locks[: max(0, min(crew.locks.size, parts - 1))]
     threads = locks.size + 1
     if threads == 1:
         for part in range(parts):

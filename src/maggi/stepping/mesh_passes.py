@@ -7,10 +7,13 @@ import scipy.sparse as sp
 
 from maggi.bodies.freedoms import Freedoms
 from maggi.bodies.isotropic_inertia import IsotropicInertia
+from maggi.bodies.mean_axes import MeanAxes, RigidColumns
 from maggi.elements.products import SymmetricBlocks
 from maggi.linalg.lanes import WIDTH
+from maggi.linalg.shared import crew
 
-from .nodal_kernels import NodalStep, correct_nodal, predict_nodal
+from .mesh_kernels import correct, respond, write_attachments
+from .nodal_kernels import Columns, NodalStep, correct_nodal, predict_nodal
 
 
 def compile_passes(*, solids: bool) -> None:
@@ -37,10 +40,17 @@ def compile_passes(*, solids: bool) -> None:
         now=np.zeros((4, groups * WIDTH)),
         following=np.zeros((4, groups * WIDTH)),
         solution=np.zeros(groups * WIDTH),
+        implied=np.zeros(2),
+        columns=Columns.of(sp.csc_matrix((n, 6))),
         responses=np.zeros((1, groups, 12, WIDTH)),
+        damping=np.zeros(2),
         forces=np.zeros((4, 6)),
         loaded=np.zeros(1, np.int64),
         sizes=np.zeros((1, 2)),
     )
     predict_nodal(step, 1)
-    correct_nodal(step, 1)
+    columns = RigidColumns(np.zeros(0), np.zeros((0, 3)), np.zeros((n // 3, 3, 6)))
+    six = np.zeros(6)
+    respond(step, MeanAxes(columns, columns, np.zeros((6, 6))), 1, six)
+    correct(step, correct_nodal.entry(step), crew(), six, six, six)
+    write_attachments(step, six, six, six, six, six)

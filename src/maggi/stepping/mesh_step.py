@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,21 +13,21 @@ from maggi.bodies.mesh_inertia import InertiaForces
 from maggi.bodies.tables import BodyTable, MotionState
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.lanes import WIDTH
-from maggi.linalg.vectors import cross
+from maggi.linalg.shared import crew
 
 from .condensation import Condensation, Condensations
 from .damping_power import DampingPower
-from .nodal_kernels import (
-    NodalStep,
+from .mesh_kernels import (
     add_fields,
-    attachment_values,
-    coefficients,
-    correct_nodal,
+    correct,
     distance,
     frame_compliance,
+    frame_drive,
     inner_product,
-    predict_nodal,
+    respond,
+    write_attachments,
 )
+from .nodal_kernels import Columns, NodalStep, coefficients, correct_nodal, predict_nodal
 from .tables import StepVectors
 
 Array = NDArray[np.float64]
@@ -38,9 +39,12 @@ PARTS = 16  # of the freedoms, summed separately so that sums do not depend on t
 
 @dataclass(frozen=True, eq=False)
 class Passes:
-    """What is done on the fields of a step again and again, and the inertia forces at its end, into `force`."""
+    """What is done on the fields of a step again and again: its fields, with the entry of their correction, and the inertia forces
+    at its end, into `force`.
+    """
 
     step: NodalStep
+    correction: int
     inertia: InertiaForces
 
 
@@ -86,7 +90,8 @@ class MeshStep:
         self.constants = Condensation.none(body)
         self._linear, self._forces = np.zeros(1), np.zeros((4, width - 6))
         self._loaded = np.zeros((width - 6) // 6, np.int64)
-        self._relative = np.zeros(2)
+        self._relative, self._implied = np.zeros(2), np.zeros(2)
+        self._columns = Columns.of(body.B)
         self._product = body.K.product(self.solution, self.force)
         self._method: GeneralizedAlpha | None = None
         self._prediction, self._gain = np.zeros((3, 4)), np.zeros(4)
@@ -111,12 +116,17 @@ class MeshStep:
             now,
             following,
             self._solution,
+            self._implied,
+            self._columns,
             self.constants.responses,
+            np.array(self.constants.damping),
             self._forces,
             self._loaded,
             self._sizes,
         )
-        return Passes(step, self.body.inertia.forces(u, ud, udd, self.force, self._relative))
+        axes = self.body.axes if self.body.floating else None
+        forces = self.body.inertia.forces(u, ud, udd, self.force, self._relative, axes)
+        return Passes(step, correct_nodal.entry(step), forces)
 
     # constants of a step size
 
@@ -136,21 +146,24 @@ class MeshStep:
 
     def _use(self, constants: Condensation, W: Array, W_Z: Array, W_D: Array) -> None:
         self.constants, self._passes = constants, None
-        self._relative[:] = self._implied()
+        self._leave_stiffness_to_the_factor()
         width = self._end - self._start
         for target, block in ((W, constants.W), (W_Z, constants.W_Z), (W_D, constants.W_D)):
             square = target[self._block].reshape(width, width)
             square[:] = 0.0
             square[6:, 6:] = block
 
-    def _implied(self) -> tuple[float, float]:
-        """What of u and u̇ is added to the accelerations that inertia forces on the freedoms are found for.
+    def _leave_stiffness_to_the_factor(self) -> None:
+        """What of u and u̇ is added to the accelerations that inertia forces on the freedoms are found for, and to the solution.
 
         For damping by mass; and ``K s = (Ŝ s − k₁M s)/k₂``, so that Ŝ⁻¹ of it takes no product with K where a body is stiff
         for the step. Elsewhere s/k₂ is so large beside what remains that its digits are lost.
         """
         (k1, k2), d = self.constants.weights, self.body.damping
-        return (-k1 / k2, d.mass - k1 / k2 * d.stiffness) if self.constants.stiff else (0.0, d.mass)
+        self._relative[:], self._implied[:] = (0.0, d.mass), 0.0
+        if self.constants.stiff:
+            self._relative -= k1 / k2, k1 / k2 * d.stiffness
+            self._implied[:] = 1.0 / k2, d.stiffness / k2
 
     def _use_method(self, c: GeneralizedAlpha) -> None:
         if c != self._method:
@@ -173,10 +186,8 @@ class MeshStep:
         shape, ``(σ J₆(c))⁻¹``, zero where the frame is prescribed.
         """
         body, o = self.body, self._offset
-        v, w, now = motion.v[o : o + 3], motion.v[o + 3 : o + 6], self._ahead
-        self._drive[0] = motion.vd[o : o + 3] + cross(w, v) - motion.rotation[self.index].T @ gravity
-        self._drive[1], self._drive[2] = w, motion.vd[o + 3 : o + 6]
-        S, J = now.inertia.residual(self._drive, self._frame, body.axes if body.floating else None)
+        frame_drive(motion, gravity, self.index, o, self._drive)
+        S, J = self._ahead.inertia.residual(self._drive, self._frame)
         base[self._start : self._start + 6] = self._frame
         if not self.constants.stiff:
             self.solution[:] = 0.0
@@ -188,25 +199,15 @@ class MeshStep:
 
     def respond(self, base: Array) -> None:
         """From the solution the free elastic increments Bᵀδ, ``δ = −P Ŝ⁻¹ force``, into `base`."""
-        if self.constants.stiff:
-            flexibility = 1.0 / self.constants.weights[1]
-            damped = flexibility * self.body.damping.stiffness
-            add_fields(flexibility, self.u_next, damped, self.ud_next, self.solution)
-        if self.body.floating:
-            self.body.axes.project(self.solution)
-        B = self.body.B
-        attachment_values(B.indptr, B.indices, B.data, -1.0, self.solution, base[self._start + 6 : self._end])
+        respond(self._ahead.step, self.body.axes, int(self.body.floating), base[self._start + 6 : self._end])
 
     def correct(self, c: GeneralizedAlpha, force: Array, position_force: Array, velocity_force: Array) -> None:
         """Nodal increments from the free ones and the forces at the attachments, (n,) each (step 6)."""
-        part = slice(self._start + 6, self._end)
+        part, ahead = slice(self._start + 6, self._end), self._ahead
         self._use_method(c)
-        (y, z), phi, pi, kappa = self.constants.damping, force[part], position_force[part], velocity_force[part]
-        self._forces[:] = phi + y * kappa, pi, kappa, pi + z * kappa
-        self._loaded[:] = (self._forces != 0.0).reshape(4, -1, 6).any(axis=(0, 2))
-        correct_nodal(self._ahead.step, PARTS)
-        self.correction = float(np.sqrt(self._sizes[:, 0].sum() / self.u.size))
-        self.deflection = float(self._sizes[:, 1].max())
+        forces = force[part], position_force[part], velocity_force[part]
+        total, self.deflection = correct(ahead.step, ahead.correction, crew(), *forces)
+        self.correction = math.sqrt(total / self.u.size)
 
     def jump(self) -> float:
         """How much algorithmic accelerations change in the step, root mean square (m/s²): what its local error is of."""
@@ -239,17 +240,15 @@ class MeshStep:
     def write_small(self, motion: MotionState, vectors: StepVectors) -> None:
         """The attachments' (d, θ), rates and accelerations as elastic coordinates of the present."""
         part = slice(self._start + 6, self._end)
-        B = self.body.B
-        rounded = vectors.a[part].copy()
-        for field, target in (
-            (self.u, motion.e[self._elastic_part]),
-            (self.ud, vectors.nu[part]),
-            (self.udd, vectors.nud[part]),
-            (self.a, vectors.a[part]),
-        ):
-            attachment_values(B.indptr, B.indices, B.data, 1.0, field, target)
-        # predicted as the nodes' accelerations are, by the last difference
-        vectors.a_differences[0, part] += vectors.a[part] - rounded
+        # accelerations are predicted as the nodes' are, by the last difference
+        write_attachments(
+            self._ahead.step,
+            motion.e[self._elastic_part],
+            vectors.nu[part],
+            vectors.nud[part],
+            vectors.a[part],
+            vectors.a_differences[0, part],
+        )
 
     def energies(self, motion: MotionState, gravity: Array) -> tuple[float, float, float]:
         """Kinetic, strain and gravity energy (J) now; costs a product with K."""

@@ -1,14 +1,14 @@
-"""Compiled passes over a meshed body's freedoms, nothing allocated, and what connects them with its small coordinates."""
+"""Compiled passes over a meshed body's freedoms, nothing allocated: prediction and correction."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
-from maggi.linalg.compiling import kernel
 from maggi.linalg.lanes import WIDTH, farther, four, four_at, number, put_four, sum_of
 from maggi.linalg.shared import SharedPass, inner_pass
 from maggi.linalg.table import Table
@@ -19,14 +19,29 @@ CACHED = 512  # freedoms that the prediction takes at a time, so that what it re
 
 
 @dataclass(frozen=True, eq=False)
+class Columns(Table):
+    """A sparse matrix by columns."""
+
+    indptr: NDArray[np.int32]
+    indices: NDArray[np.int32]
+    values: Array
+
+    @staticmethod
+    def of(matrix: sp.csc_matrix) -> Columns:
+        """The same."""
+        return Columns(matrix.indptr.astype(np.int32), matrix.indices.astype(np.int32), matrix.data)
+
+
+@dataclass(frozen=True, eq=False)
 class NodalStep(Table):
-    """The nodal fields of a body through a step, and what changes them; fields have N = 4g ≥ nd places, the last of them zero.
+    """The nodal fields of a body through a step, and what changes them; fields have N = 4g ≥ nd places, those behind nd zero.
 
     linear (1,): 1 where accelerations are extrapolated by a line, 0 where kept. prediction (3, 4), gain (4,): see
     `coefficients`. now, following (4, N): u, u̇, ü and a at the beginning and at the end of the step; before the
-    prediction the last a is that of the step before. solution (N,): Ŝ⁻¹ of the residual. responses (k, g, 12, 4): see
-    `Condensation`. forces (4, 6k): φ + yκ, π, κ, π + zκ for damping (y, z). loaded (k,): 0 where all forces of an attachment are zero.
-    sizes (p, 2): sums of δ² and the largest |u| of p equal parts of the freedoms.
+    prediction the last a is that of the step before. solution (N,): Ŝ⁻¹ of the residual, to which implied (2,) times u and u̇ is to
+    be added. columns: of B. responses (k, g, 12, 4), damping (2,), y and z: see `Condensation`. forces (4, 6k): φ + yκ, π, κ, π + zκ.
+    loaded (k,): 0 where all forces of an attachment are zero. sizes (p, 2): sums of δ² and the largest |u| of p equal parts
+    of the freedoms.
     """
 
     linear: Array
@@ -35,7 +50,10 @@ class NodalStep(Table):
     now: Array
     following: Array
     solution: Array
+    implied: Array
+    columns: Columns
     responses: Array
+    damping: Array
     forces: Array
     loaded: NDArray[np.int64]
     sizes: Array
@@ -124,74 +142,3 @@ def _respond(of, k, g, negative, moved, quickened):  # type: ignore[no-untyped-d
 @inner_pass
 def _add_four(x, place, more):  # type: ignore[no-untyped-def]
     put_four(x, place, four_at(x, place) + more)
-
-
-@kernel
-def add_fields(a: float, x: Array, b: float, y: Array, out: Array) -> None:
-    """``out += a x + b y``."""
-    for i in range(out.size):
-        out[i] += a * x[i] + b * y[i]
-
-
-@kernel
-def inner_product(x: Array, y: Array) -> float:
-    """x · y, in one order: BLAS would share it among its threads."""
-    total = 0.0
-    for i in range(x.size):
-        total += x[i] * y[i]
-    return total
-
-
-@kernel
-def attachment_values(indptr: Array, indices: Array, values: Array, factor: float, x: Array, out: Array) -> None:
-    """``out = factor Bᵀ x``; B (nd, 6k) by columns: indptr, indices, values."""
-    for j in range(out.size):
-        total = 0.0
-        for p in range(indptr[j], indptr[j + 1]):
-            total += values[p] * x[indices[p]]
-        out[j] = factor * total
-
-
-@kernel
-def distance(x: Array, y: Array) -> float:
-    """|x − y|, in one order."""
-    total = 0.0
-    for i in range(x.size):
-        total += (x[i] - y[i]) * (x[i] - y[i])
-    return float(np.sqrt(total))
-
-
-@kernel
-def frame_compliance(sigma: float, mass: float, S: Array, J: Array, out: Array) -> None:
-    """``(σ J₆)⁻¹``, J₆ = [[m I, −S̃], [S̃, J]], into out (6, 6): by the inertia about the centre of mass, s = S/m."""
-    s0, s1, s2 = S[0] / mass, S[1] / mass, S[2] / mass
-    # J_s = J − m (s·s I − s sᵀ), and its adjugate
-    square = s0 * s0 + s1 * s1 + s2 * s2
-    a = J[0, 0] - mass * (square - s0 * s0)
-    b = J[1, 1] - mass * (square - s1 * s1)
-    c = J[2, 2] - mass * (square - s2 * s2)
-    d = 0.5 * (J[0, 1] + J[1, 0]) + mass * s0 * s1
-    e = 0.5 * (J[0, 2] + J[2, 0]) + mass * s0 * s2
-    f = 0.5 * (J[1, 2] + J[2, 1]) + mass * s1 * s2
-    i00, i11, i22 = b * c - f * f, a * c - e * e, a * b - d * d
-    i01, i02, i12 = e * f - d * c, d * f - e * b, d * e - a * f
-    scale = 1.0 / (sigma * (a * i00 + d * i01 + e * i02))
-    out[3, 3], out[3, 4], out[3, 5] = scale * i00, scale * i01, scale * i02
-    out[4, 3], out[4, 4], out[4, 5] = scale * i01, scale * i11, scale * i12
-    out[5, 3], out[5, 4], out[5, 5] = scale * i02, scale * i12, scale * i22
-    # upper right: s̃ J_s⁻¹; upper left: I/m − s̃ J_s⁻¹ s̃, where (row) s̃ = row × s
-    for k in range(3, 6):
-        x, y, z = out[3, k], out[4, k], out[5, k]
-        out[0, k] = s1 * z - s2 * y
-        out[1, k] = s2 * x - s0 * z
-        out[2, k] = s0 * y - s1 * x
-    for i in range(3):
-        for k in range(3, 6):
-            out[k, i] = out[i, k]
-    for i in range(3):
-        x, y, z = out[i, 3], out[i, 4], out[i, 5]
-        out[i, 0] = -(y * s2 - z * s1)
-        out[i, 1] = -(z * s0 - x * s2)
-        out[i, 2] = -(x * s1 - y * s0)
-        out[i, i] += 1.0 / (sigma * mass)
-    out[1, 0], out[2, 0], out[2, 1] = out[0, 1], out[0, 2], out[1, 2]
