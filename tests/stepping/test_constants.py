@@ -157,4 +157,4 @@ def test_what_takes_memory_beside_a_factor_is_kept_small(monkeypatch):
     system = build_system(Model({"m": description}), meshes={"m": body})
     assert MeshStep(body, 1, system.bodies, 0).prepare(STEP, *np.zeros((3, system.bodies.block[-1])))
     made = ["set aside", "given back", "given back"]
-    assert told == made + len(ENDS) * [FEW, FEW, "set aside", FEW, FEW] + ["given back"]
+    assert told == made + 2 * len(ENDS) * [FEW, "set aside", FEW] + ["given back"]

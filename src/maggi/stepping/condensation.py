@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from maggi.bodies.mesh_body import MeshBody
 from maggi.integrators.generalized_alpha import GeneralizedAlpha
 from maggi.linalg.allocators import give_back
-from maggi.linalg.factor import Factor, solve_rows
+from maggi.linalg.factor import FEW, Factor, solve_rows
 from maggi.linalg.lanes import WIDTH
 from maggi.linalg.shifted import ShiftedFactors
 
@@ -102,17 +102,18 @@ class Condensations:
         return c.sigma + c.gamma * c.h * d.mass, c.beta * c.h**2 + c.gamma * c.h * d.stiffness
 
     def _condense(self, factor: Factor, k1: float, k2: float) -> Condensation:
-        """Attachment by attachment: what works on all columns at once would take memory on top of the factor's."""
+        """A few columns at a time: what works on all at once would take memory on top of the factor's."""
         body, d = self._body, self._body.damping
         n = body.B.shape[1]
         responses = np.zeros((n // 6, -(-body.size // WIDTH), 12, WIDTH))
         W, W_Z = np.zeros((2, n, n))
-        for k, response in enumerate(responses):
-            columns = slice(6 * k, 6 * k + 6)
-            forces = body.B[:, columns].T.toarray()
+        for column in range(0, n, FEW):
+            some, of_Y, of_Z = slice(column, column + FEW), column % 6, column % 6 + 6
+            response = responses[column // 6]
+            forces = body.B[:, some].T.toarray()
             Y = self._response(factor, forces)
-            _by_fours(Y, response[:, :6])
-            W[:, columns] = body.B.T @ Y.T
+            _by_fours(Y, response[:, of_Y : of_Y + FEW])
+            W[:, some] = np.stack([body.B.T @ y for y in Y], axis=1)
             if k2 == 0.0:
                 continue
             forces[:] = 0.0
@@ -121,8 +122,8 @@ class Condensations:
             body.set_aside()
             del Y
             Z = self._response(factor, forces)
-            _by_fours(Z, response[:, 6:])
-            W_Z[:, columns] = body.B.T @ Z.T
+            _by_fours(Z, response[:, of_Z : of_Z + FEW])
+            W_Z[:, some] = np.stack([body.B.T @ z for z in Z], axis=1)
         W = 0.5 * (W + W.T)
         give_back()
         # D = mass M + stiffness K on mean axes, and M = (Ŝ − k₂K)/k₁
@@ -131,7 +132,7 @@ class Condensations:
         return Condensation(factor, responses, W, W_Z, y * W + z * W_Z, (y, z), (k1, k2), stiff)
 
     def _response(self, factor: Factor, forces: Array) -> Array:
-        """P Ŝ⁻¹ of forces (6, nd), a row each; (6, nd)."""
+        """P Ŝ⁻¹ of forces (m, nd), a row each; (m, nd)."""
         rows = solve_rows(factor, forces)
         if self._body.floating:
             for row in rows:
@@ -142,6 +143,8 @@ class Condensations:
 def _by_fours(rows: Array, out: Array) -> None:
     """Rows (m, nd) into out (g, m, 4), four of their values at a time."""
     full, rest = divmod(rows.shape[1], WIDTH)
-    out[:full] = rows[:, : full * WIDTH].reshape(len(rows), full, WIDTH).transpose(1, 0, 2)
-    if rest:
-        out[full, :, :rest] = rows[:, full * WIDTH :]
+    for row, column in zip(
+        rows, out.transpose(1, 0, 2), strict=True
+    ):  # each by itself: all at once would be copied first
+        column[:full] = row[: full * WIDTH].reshape(full, WIDTH)
+        column[full:, :rest] = row[full * WIDTH :]
