@@ -2,8 +2,8 @@
 
 Limits: of assembly, one copy of the finished arrays; of the factor, the library alone on the same matrix; of memory, the
 factor as the library reports it and the matrices M and K themselves. Memory is that of a process of its own that gets
-ready to run and makes two steps, less what the program takes for the smallest of meshes. Beside it stands what the library
-says it needs at the peak of one factorisation, with the matrices beside it.
+ready to run and makes two steps, less what the program takes for the smallest of meshes. Beside it stand what the library
+says it needs at the peak of one factorisation, with the matrices beside it, and the memory of a reduction.
 """
 
 from __future__ import annotations
@@ -42,10 +42,11 @@ MEMORY = Target(1.3, at_most=True)
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--long", action="store_true", help="nine rounds, memory of 300,000 freedoms too")
-    parser.add_argument("--child", type=int, help=argparse.SUPPRESS)
+    parser.add_argument("--child", choices=CHILDREN, help=argparse.SUPPRESS)
+    parser.add_argument("--freedoms", type=int, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.child:
-        print(json.dumps(memory_of(given.child)))
+        print(json.dumps(CHILDREN[given.child](given.freedoms)))
         return
     table = Table("Paid once", "what", "freedoms", "ours", "limit", "ratio", "target", "reached")
     assembly(table, 9 if given.long else 5)
@@ -121,30 +122,52 @@ def modes(table: Table, body: MeshBody) -> None:
 
 def memory(table: Table, freedoms: int, target: Target | None = None) -> None:
     """Peak memory of getting ready, in a process of its own."""
-    command = [sys.executable, __file__, "--child", str(freedoms)]
-    for _ in range(2):  # the first may have to compile, which takes memory too
-        found = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    _in_a_process("start", freedoms)  # may have to compile, which takes memory too
+    found = _in_a_process("start", freedoms) | _in_a_process("reduction", freedoms)
     quotient = found["peak"] / found["least"]
     none = (MISSING, MISSING)
     reached = target.cells("peak memory over factor and matrices", quotient) if target else none
     for what, key, cells in (
         ("peak memory", "peak", reached),
         ("the library's own peak and the matrices", "library", none),
+        ("peak memory of 30 Craig–Bampton modes", "reduction", none),
     ):
         sizes = figure(found[key] / 2**20), figure(found["least"] / 2**20)
         table.row(what, f"{found['freedoms']:,}", *sizes, times(found[key] / found["least"]), *cells)
 
 
-def memory_of(freedoms: int) -> dict[str, float]:
+def _in_a_process(child: str, freedoms: int) -> dict[str, float]:
+    command = [sys.executable, __file__, "--child", child, "--freedoms", str(freedoms)]
+    found: dict[str, float] = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    return found
+
+
+def _resident() -> int:
+    with open("/proc/self/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def _peak() -> int:
+    """Not `ru_maxrss`, which begins with that of the process that started this one."""
+    with open("/proc/self/status", encoding="ascii") as file:
+        return next(int(line.split()[1]) for line in file if line.startswith("VmHWM:")) * 1024
+
+
+def memory_of_reduction(freedoms: int) -> dict[str, float]:
+    """Bytes: the peak of 30 Craig–Bampton modes, the body itself included, above that of a tiny one."""
+    craig_bampton(two_ended((2, 1, 1)), 3, "bar")
+    before = _resident()
+    craig_bampton(two_ended(cells_for(freedoms, "tet10")), 30, "bar")
+    return {"reduction": _peak() - before}
+
+
+def memory_of_start(freedoms: int) -> dict[str, float]:
     """Bytes: the peak of a start and two steps above that of a tiny mesh; the library's and the matrices; factor and matrices."""
     Ours(hinged_bars((2, 1, 1), "tet10"), BAR_STEP).advance(2)  # compiled kernels, libraries
-    with open("/proc/self/statm", encoding="ascii") as file:
-        resident = int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    before = _resident()
     ours = Ours(hinged_bars(cells_for(freedoms, "tet10"), "tet10"), BAR_STEP)
     ours.advance(2)
-    # not `ru_maxrss`, which begins with that of the process that started this one
-    with open("/proc/self/status", encoding="ascii") as file:
-        peak = next(int(line.split()[1]) for line in file if line.startswith("VmHWM:")) * 1024 - resident
+    peak = _peak() - before
     mesh = ours.stepper.meshes[0]
     body, held = mesh.body, mesh.constants.factor
     assert held is not None
@@ -158,6 +181,9 @@ def memory_of(freedoms: int) -> dict[str, float]:
         "library": analysis.memory_plan()["peak_bytes"] + matrices,
         "least": held.nbytes + matrices,
     }
+
+
+CHILDREN = {"start": memory_of_start, "reduction": memory_of_reduction}
 
 
 def _line(

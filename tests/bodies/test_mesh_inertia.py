@@ -114,6 +114,14 @@ def test_relative_accelerations_are_for_the_freedoms_alone(case):
     np.testing.assert_array_equal(np.vstack(of_deformed), np.vstack((S, J)))
 
 
+@pytest.mark.parametrize("columns", [1, 5, 11])
+def test_product(case, columns):
+    inertia, terms = case
+    x = np.random.default_rng(8).normal(size=(len(terms.m), columns))
+    close(inertia.product(x), terms.m @ x)
+    close(inertia.product(np.asfortranarray(x)), terms.m @ x)
+
+
 def test_squares(case):
     inertia, terms = case
     fields = np.random.default_rng(7).normal(size=(len(terms.m), 4))

@@ -32,7 +32,7 @@ def check(K, M, values, shapes, expected):
 def test_double_eigenvalues(count):
     K, expected = grid(30)
     M = sp.eye(900)
-    values, shapes = lowest_modes(factorise(K).solve_many, M, count, 200)
+    values, shapes = lowest_modes(factorise(K).solve_many, M, count, 400)
     check(K, M, values, shapes, expected[:count])
 
 
@@ -40,7 +40,7 @@ def test_double_eigenvalues(count):
 def test_general_mass(count):
     K, _ = grid(20)
     M = mass(400)
-    values, shapes = lowest_modes(factorise(K).solve_many, M, count, 200)
+    values, shapes = lowest_modes(factorise(K).solve_many, M, count, 400)
     check(K, M, values, shapes, scipy.linalg.eigh(K.toarray(), M.toarray(), eigvals_only=True)[:count])
 
 

@@ -73,6 +73,10 @@ class BeamInertia:
         flat = fields.reshape(self.matrix.shape[0], -1)
         return np.asarray(np.einsum("nk,nk->k", flat, self.matrix @ flat))
 
+    def product(self, x: Array) -> Array:
+        """See `MeshInertia.product`."""
+        return np.asarray(self.matrix @ x)
+
     def evaluate(
         self, fields: tuple[Array, Array, Array], nodal: Array, relative: Array, drive: Array, frame: Array
     ) -> tuple[Array, Array]:

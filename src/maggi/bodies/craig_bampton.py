@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.sparse.linalg import LinearOperator
 
 from maggi.linalg.lanczos import ModesNotFoundError, lowest_modes
 from maggi.model.errors import ModelError
@@ -16,6 +17,7 @@ from .statics import FreeStatics, HeldStatics
 Array = NDArray[np.float64]
 
 SMALL = 1500  # freedoms up to which modes are found with dense matrices where a sixth of them or more are asked for
+MOST = 20  # vectors of Lanczos's for a mode, and 1000 more, before modes are given up
 SAME = 1e-12  # an interface motion whose squared length is below this part of the longest repeats others
 
 
@@ -63,10 +65,10 @@ def _sparse(body: MeshBody, B: sp.csc_matrix, count: int, path: str) -> tuple[Ar
     static = held.unit_displacements() if held else np.empty((body.size, 0))
     if count == 0:
         return np.empty(0), np.empty((body.size, 0)), static
-    M = body.inertia.matrix.tocsr()
-    M.eliminate_zeros()  # most of its 3×3 blocks are diagonal
+    product = body.inertia.product
+    M = LinearOperator((body.size, body.size), matvec=product, matmat=product, dtype=np.float64)
     try:
-        squares, modes = lowest_modes(held.displacements if held else statics.floating, M, count, 6 * count + 200)
+        squares, modes = lowest_modes(held.displacements if held else statics.floating, M, count, MOST * count + 1000)
     except ModesNotFoundError as error:
         raise ModelError(str(error), path=f"{path}.modes", remedy="ask for fewer modes") from None
     return squares, modes, static

@@ -27,6 +27,7 @@ from .mean_axes import MeanAxes, RigidColumns
 
 Array = NDArray[np.float64]
 
+TOGETHER = 8  # columns that M is multiplied with at once: with more, what is between takes memory
 PARTS = 16  # of the nodes, summed separately so that sums do not depend on the number of threads
 
 
@@ -150,14 +151,39 @@ class IsotropicInertia:
 
     def squares(self, fields: Array) -> Array:
         """See `MeshInertia.squares`."""
-        if self._tied:
-            master, arm = self._freedoms.master, self._freedoms.arm[:, :, None]
-            tied = fields[master] + np.cross(fields[master + 1], arm, axis=1)
-            fields = np.concatenate((fields[: self._free], tied))
-        mu = self._mu
-        of = NodalSquares(mu.indptr, mu.indices, mu.data, self._starts, fields, np.empty((PARTS, WIDTH)))
+        mu, nodal = self._mu, self._with_tied(fields)
+        of = NodalSquares(mu.indptr, mu.indices, mu.data, self._starts, nodal, np.empty((PARTS, WIDTH)))
         nodal_squares(of, PARTS)
         return np.asarray(of.sums.sum(axis=0))
+
+    def product(self, x: Array) -> Array:
+        """See `MeshInertia.product`."""
+        result = np.empty((len(x) // 3, 3, x.shape[1]))
+        for first in range(0, x.shape[1], TOGETHER):
+            some = slice(first, first + TOGETHER)
+            result[:, :, some] = self._forces_of(x[:, some].reshape(len(result), 3, -1))
+        return result.reshape(x.shape)
+
+    def _forces_of(self, fields: Array) -> Array:
+        """M times fields (nd/3, 3, k)."""
+        f, columns = self._free, fields.shape[2]
+        nodal = self._with_tied(fields)
+        force = (self._mu @ nodal.reshape(-1, 3 * columns)).reshape(-1, 3, columns)
+        result = np.zeros(fields.shape)
+        result[:f] = force[:f]
+        if self._tied:
+            master, arm = self._freedoms.master, self._freedoms.arm[:, :, None]
+            np.add.at(result, master, force[f:])
+            np.add.at(result, master + 1, np.cross(arm, force[f:], axis=1))
+        return result
+
+    def _with_tied(self, fields: Array) -> Array:
+        """Nodal fields (n, 3, k), free nodes first, of fields (nd/3, 3, k) on the freedoms."""
+        if self._tied == 0:
+            return np.ascontiguousarray(fields)
+        master, arm = self._freedoms.master, self._freedoms.arm[:, :, None]
+        tied = fields[master] + np.cross(fields[master + 1], arm, axis=1)
+        return np.concatenate((fields[: self._free], tied))
 
     def constants(self, basis: Array) -> InertiaConstants:
         fields = self._freedoms.expand_many(basis)

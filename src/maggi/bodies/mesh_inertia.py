@@ -63,6 +63,9 @@ class MeshInertia(Protocol):
     def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
         """Kinetic energy (J); v, w: the frame's twist, body axes."""
 
+    def product(self, x: Array) -> Array:
+        """M x (nd, k) of columns (nd, k), without making M."""
+
     def constants(self, basis: Array) -> InertiaConstants:
         """The constants of T3 and T5a for coordinates e that the freedoms follow, ``u = basis e``; basis (nd, n)."""
 
