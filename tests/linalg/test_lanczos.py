@@ -6,7 +6,7 @@ import scipy.linalg
 import scipy.sparse as sp
 
 from maggi.linalg.factor import factorise
-from maggi.linalg.lanczos import BLOCK, ModesNotFoundError, lowest_modes
+from maggi.linalg.lanczos import BLOCK, ROOM, ModesNotFoundError, lowest_modes
 
 
 def grid(n):
@@ -42,6 +42,22 @@ def test_general_mass(count):
     M = mass(400)
     values, shapes = lowest_modes(factorise(K).solve_many, M, count, 400)
     check(K, M, values, shapes, scipy.linalg.eigh(K.toarray(), M.toarray(), eigvals_only=True)[:count])
+
+
+def test_fewer_vectors_are_kept_than_are_made():
+    """Restarts: the room for vectors is that of the modes and some blocks, whatever it takes to find them."""
+    K, expected = grid(30)
+    factor, made = factorise(K), []
+
+    def inverse(forces):
+        made.append(forces.shape[1])
+        return factor.solve_many(forces)
+
+    values, shapes = lowest_modes(inverse, sp.eye(900), 20, 1000)
+    check(K, sp.eye(900), values, shapes, expected[:20])
+    room = 20 + ROOM * BLOCK
+    assert sum(made) > 1.5 * room
+    assert shapes.base.shape == (900, room)
 
 
 def test_an_eigenvalue_more_often_than_a_block_is_wide():

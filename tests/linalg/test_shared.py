@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 import pytest
+from numba import njit
 from numpy.typing import NDArray
 
-from maggi.linalg.shared import SharedPass
-from maggi.linalg.table import Table
+from maggi.linalg.shared import SharedPass, crew
+from maggi.linalg.table import Table, address
+from maggi.linalg.team import share
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +59,20 @@ def test_kinds_of_tables(kind):
     out = np.full(4, np.nan)
     totals(Sums(table, np.arange(0, 20, 2, dtype=kind), out), 4)
     assert out.sum() == pytest.approx(table[::2].sum(), rel=1e-14)
+
+
+@njit
+def scale_twice(of, entry, crew, parts):
+    for _ in range(2):
+        share(crew, entry, address(of), parts)
+
+
+@pytest.mark.parametrize("parts", [1, 2, 7])
+def test_compiled_code_shares_passes_too(parts):
+    x = np.arange(100.0)
+    of = Scaling(x, 3.0)
+    scale_twice(of, scale.entry(of), crew(), parts)
+    np.testing.assert_array_equal(x, 9.0 * np.arange(100))
 
 
 def test_same_bits_for_any_number_of_threads():

@@ -9,6 +9,7 @@ import pytest
 
 from maggi.analyses.prepare import prepare
 from maggi.elements.assembly import assemble_solids
+from maggi.elements.products import Product, Squares
 from maggi.linalg.lanes import WIDTH
 from maggi.model.attachments import Attachment, NamedSet
 from maggi.model.bodies import ElasticBody, GivenMotion
@@ -164,6 +165,27 @@ def test_what_the_factor_says_of_K_is_what_a_product_says(kind: str, floating: b
     np.testing.assert_allclose(by_factor, by_product, rtol=0, atol=1e-14 * ratio * reach)
     assert 1e-14 * ratio < 1e-9
     assert np.abs(by_product).max() > 1e-6 * reach
+
+
+@pytest.mark.parametrize("damping", [DAMPING[0], Damping()], ids=["stiffness", "none"])
+def test_how_often_K_is_read(damping: Damping, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Never for a residual, once in four steps for the damping, and once for the strain energy where it is asked for."""
+    stepper, read = falling_bar(damping), []
+    for table, method in ((Product, "add"), (Squares, "find")):
+        original = getattr(table, method)
+        monkeypatch.setattr(
+            table, method, lambda self, original=original, m=method: (read.append(m), original(self))[1]
+        )
+    assert stepper.advance(0.0, STEPS) == STEPS
+    assert read == (["find"] * (STEPS // WIDTH) if damping.stiffness else [])
+    read.clear()
+    stepper.dissipated()
+    stepper.meshes[0].energies(stepper.state.now, np.array(stepper.system.forces.gravity))
+    assert read == (["find"] if damping.stiffness else []) + ["add"]
+    stepper.set_step(1e-9)
+    read.clear()
+    assert stepper.advance(STEPS * STEP, 1) == 1
+    assert read.count("add") == stepper.last_iterations
 
 
 def test_a_step_in_which_the_body_is_not_stiff_multiplies_K() -> None:

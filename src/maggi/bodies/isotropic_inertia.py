@@ -143,11 +143,10 @@ class IsotropicInertia:
         return IsotropicForces(of)
 
     def kinetic_energy(self, v: Array, w: Array, u: Array, ud: Array) -> float:
-        spin = np.array([[0.0, w[2], -w[1]], [-w[2], 0.0, w[0]], [w[1], -w[0], 0.0]])  # x spin = ω × x
-        velocity = (self._nodes + self._expand(u)) @ spin
-        velocity += v
-        velocity += self._expand(ud)
-        return float(0.5 * np.einsum("ni,ni->", velocity, self._mu @ velocity))
+        momentum, resultants, rest = np.empty_like(u), np.empty(6), np.zeros(3)
+        # with v for a_O and ω for ε, and no spin, T4 is the velocity
+        self.forces(u, ud, ud, momentum).residual(np.array((v, rest, w)), resultants)
+        return float(0.5 * (v @ resultants[:3] + w @ resultants[3:] + ud @ momentum))
 
     def squares(self, fields: Array) -> Array:
         """See `MeshInertia.squares`."""
@@ -215,8 +214,3 @@ class IsotropicInertia:
             RigidColumns.of(C, self._weights[:f], self._moments[:f]),
             J6,
         )
-
-    def _expand(self, x: Array) -> Array:
-        """Nodal field (n, 3) of the freedoms x, free nodes first."""
-        field = self._freedoms.expand(x, np.empty_like(self._nodes))
-        return field[self._order] if self._tied else field
