@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from maggi.linalg.lanes import WIDTH, farther, four, four_at, number, put_four, sum_of
+from maggi.linalg.lanes import WIDTH, farther, four, four_at, number, put_four
 
 
 @njit(fastmath={"contract"})
@@ -47,10 +47,8 @@ def test_the_largest_of_every_lane():
         for place in range(0, x.size, WIDTH):
             far = farther(far, four_at(x, place))
         put_four(out, 0, far)
-        return sum_of(far)
 
     x, out = np.random.default_rng(1).normal(size=(5, WIDTH)), np.empty(WIDTH)
     x[2, 1] = -7.0
-    total = largest(x, out)
+    largest(x, out)
     np.testing.assert_array_equal(out, np.abs(x).max(axis=0))
-    np.testing.assert_allclose(total, out.sum(), rtol=1e-15)
