@@ -40,7 +40,7 @@ def lowest_modes(inverse: Callable[[Array], Array], M: Any, count: int, most: in
     Parameters
     ----------
     inverse : forces (n, k) to displacements (n, k), symmetric: K⁻¹, or the inverse of K on a subspace, which it keeps to.
-    M : (n, n), anything that multiplies; positive definite.
+    M : (n, n), anything that multiplies, ``M @ X`` a new array; positive definite.
     most : how many vectors are made at most. Fewer are kept, `count` and some blocks.
 
     Blocks find an eigenvalue as often as they are wide. So that none is missed that comes more often, as those of many equal
