@@ -57,6 +57,11 @@ def test_every_part_is_done_once(trio, parts, threads):
         assert (counts == 1).all()
 
 
+@pytest.mark.parametrize(("threads", "others"), [(1, 0), (2, 1), (4, 3), (9, 3)])
+def test_no_more_threads_than_asked_for(trio, threads, others):
+    assert trio.crew(threads).locks.size == others
+
+
 def test_a_long_row_of_passes(trio):
     """Signs of sleep that are missed or seen twice would end it."""
     rng = np.random.default_rng(0)

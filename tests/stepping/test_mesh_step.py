@@ -213,6 +213,12 @@ def test_the_correction_is_that_of_the_forces_at_the_attachments() -> None:
     rates = c.gamma * c.h * delta + Y @ kappa
     np.testing.assert_allclose(mesh.ud_next, rates, rtol=0, atol=1e-13 * np.abs(rates).max())
     assert mesh.correction == pytest.approx(np.sqrt(np.mean(delta**2)), rel=1e-12)
+    for one in range(3):  # forces of one kind alone count too
+        alone = np.zeros_like(forces)
+        alone[one] = forces[one]
+        mesh.solution[:] = 0.0
+        mesh.correct(c, *alone)
+        assert mesh.correction > 0.0
     forces[1, mesh._start + 7] = np.nan
     mesh.correct(c, *forces)
     assert np.isnan(mesh.correction)
