@@ -24,9 +24,9 @@ def test_powers_of_the_instants_kept(kind, damping):
     body = build_mesh_body("m", description, ".")
     D = damping.mass * body.inertia.matrix + damping.stiffness * body.K.matrix()
     power, rng = DampingPower(body), np.random.default_rng(0)
-    assert power.find().size == 0
+    assert power.find(0).size == 0
     for count in (4, 1, 3):
         velocities = rng.normal(size=(count, body.size))
-        for ud in velocities:
-            power.keep(ud)
-        np.testing.assert_allclose(power.find(), [ud @ (D @ ud) for ud in velocities], rtol=1e-12)
+        for place, ud in enumerate(velocities):
+            power.keep(place, ud)
+        np.testing.assert_allclose(power.find(count), [ud @ (D @ ud) for ud in velocities], rtol=1e-12)

@@ -65,8 +65,8 @@ def _sparse(body: MeshBody, B: sp.csc_matrix, count: int, path: str) -> tuple[Ar
     static = held.unit_displacements() if held else np.empty((body.size, 0))
     if count == 0:
         return np.empty(0), np.empty((body.size, 0)), static
-    product = body.inertia.product
-    M = LinearOperator((body.size, body.size), matvec=product, matmat=product, dtype=np.float64)
+    product, shape = body.inertia.product, (body.size, body.size)
+    M = LinearOperator(shape, matvec=lambda x: product(x.reshape(-1, 1)), matmat=product, dtype=np.float64)
     try:
         squares, modes = lowest_modes(held.displacements if held else statics.floating, M, count, MOST * count + 1000)
     except ModesNotFoundError as error:

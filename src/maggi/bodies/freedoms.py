@@ -63,8 +63,19 @@ class Freedoms:
 
     def expand_many(self, columns: Array) -> Array:
         """Nodal fields (n, 3, k) of k columns of freedoms (3 · blocks, k)."""
-        fields = columns if self.tied.size == 0 else self.matrix() @ columns
-        return np.ascontiguousarray(fields).reshape(-1, 3, columns.shape[1])
+        ordered = self.with_tied(columns.reshape(self.blocks, 3, -1))
+        if self.tied.size == 0:
+            return ordered
+        fields = np.empty_like(ordered)
+        fields[self.order()] = ordered
+        return fields
+
+    def with_tied(self, fields: Array) -> Array:
+        """Nodal fields (n, 3, k), nodes in `order`, of fields (blocks, 3, k) on the freedoms."""
+        if self.tied.size == 0:
+            return np.ascontiguousarray(fields)
+        tied = fields[self.master] + np.cross(fields[self.master + 1], self.arm[:, :, None], axis=1)
+        return np.concatenate((fields[: len(self.node_block) - self.tied.size], tied))
 
     def reduce(self, force: Array, out: Array) -> None:
         """Generalised forces (3 · blocks,) of nodal forces (n, 3): the transpose of `expand`."""

@@ -16,6 +16,7 @@ from .freedoms import Freedoms
 from .isotropic_factor import IsotropicFactor
 from .isotropic_kernels import (
     NodalForces,
+    NodalMass,
     NodalSquares,
     accelerations,
     evaluate,
@@ -71,8 +72,9 @@ class IsotropicInertia:
         self.S0 = self._moments.sum(axis=0)
         second = np.einsum("ni,nj->ij", self._nodes, self._moments)
         self.J0 = np.trace(second) * np.eye(3) - second
-        self._starts = np.searchsorted(mu.indptr, np.linspace(0, mu.nnz, PARTS + 1)).astype(np.int64)
-        self._starts[0], self._starts[-1] = 0, len(nodes)
+        starts = np.searchsorted(mu.indptr, np.linspace(0, mu.nnz, PARTS + 1)).astype(np.int64)
+        starts[0], starts[-1] = 0, len(nodes)
+        self._rows = NodalMass(mu.indptr, mu.indices, mu.data, starts)
         self._field, self._on_tied = np.zeros((len(nodes) + 1, 6)), np.empty((self._tied, 6))
         self._of_tied = np.empty((3, self._tied, 3))
         self._sums, self._wrenches = np.zeros((PARTS, 15)), np.zeros((PARTS, 6))
@@ -113,10 +115,7 @@ class IsotropicInertia:
     ) -> IsotropicForces:
         """See `MeshInertia.forces`."""
         of = NodalForces(
-            self._mu.indptr,
-            self._mu.indices,
-            self._mu.data,
-            self._starts,
+            self._rows,
             self._nodes,
             self._weights,
             self._moments,
@@ -150,8 +149,7 @@ class IsotropicInertia:
 
     def squares(self, fields: Array) -> Array:
         """See `MeshInertia.squares`."""
-        mu, nodal = self._mu, self._with_tied(fields)
-        of = NodalSquares(mu.indptr, mu.indices, mu.data, self._starts, nodal, np.empty((PARTS, WIDTH)))
+        of = NodalSquares(self._rows, self._freedoms.with_tied(fields), np.empty((PARTS, WIDTH)))
         nodal_squares(of, PARTS)
         return np.asarray(of.sums.sum(axis=0))
 
@@ -166,7 +164,7 @@ class IsotropicInertia:
     def _forces_of(self, fields: Array) -> Array:
         """M times fields (nd/3, 3, k)."""
         f, columns = self._free, fields.shape[2]
-        nodal = self._with_tied(fields)
+        nodal = self._freedoms.with_tied(fields)
         force = (self._mu @ nodal.reshape(-1, 3 * columns)).reshape(-1, 3, columns)
         result = np.zeros(fields.shape)
         result[:f] = force[:f]
@@ -176,19 +174,9 @@ class IsotropicInertia:
             np.add.at(result, master + 1, np.cross(arm, force[f:], axis=1))
         return result
 
-    def _with_tied(self, fields: Array) -> Array:
-        """Nodal fields (n, 3, k), free nodes first, of fields (nd/3, 3, k) on the freedoms."""
-        if self._tied == 0:
-            return np.ascontiguousarray(fields)
-        master, arm = self._freedoms.master, self._freedoms.arm[:, :, None]
-        tied = fields[master] + np.cross(fields[master + 1], arm, axis=1)
-        return np.concatenate((fields[: self._free], tied))
-
     def constants(self, basis: Array) -> InertiaConstants:
-        fields = self._freedoms.expand_many(basis)
-        if self._tied:
-            fields = fields[self._order]
         n = basis.shape[1]
+        fields = self._freedoms.with_tied(basis.reshape(-1, 3, n))
         P, Q = np.empty((3, 3, n, n)), np.empty((3, 3, n))
         for i in range(3):
             component = np.ascontiguousarray(fields[:, i])

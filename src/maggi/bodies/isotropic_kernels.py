@@ -20,21 +20,27 @@ IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
+class NodalMass(Table):
+    """μ (n, n) by rows, of which part p has those from starts[p] to starts[p + 1]."""
+
+    indptr: NDArray[np.int32]
+    indices: NDArray[np.int32]
+    values: Array
+    starts: IntArray
+
+
+@dataclass(frozen=True, eq=False)
 class NodalForces(Table):
     """What the inertia forces of one set of fields are found from and written to; n nodes, free ones first, b blocks.
 
-    indptr, indices, values: μ (n, n) by rows, of which part p has those from starts[p] to starts[p + 1]. nodes (n, 3).
-    weights (n,), moments (n, 3): row sums of μ, and μ times the nodes. master (t,), arm (t, 3): see `Freedoms`.
+    mass: μ. nodes (n, 3). weights (n,), moments (n, 3): row sums of μ, and μ times the nodes. master (t,), arm (t, 3): see `Freedoms`.
     mean_axes (6, 6): J₆⁻¹ where forces on the freedoms are Pᵀ of what they would be, else 0. drive (3, 3): a_O less gravity, ω, ε.
     relative (2,): what of u and u̇ is added to the accelerations for the freedoms. u, ud, udd, nodal (3b,). tied (3, t, 3): u, u̇, ü
     of tied nodes. field (n + 1, 6): accelerations for the frame, for the freedoms; the last row is read, but not used. on_tied
     (t, 6): forces. sums (p, 15), wrenches (p, 6): by part. S0, J0: of the undeformed body. wrench (6,), S (3,), J (3, 3): found.
     """
 
-    indptr: NDArray[np.int32]
-    indices: NDArray[np.int32]
-    values: Array
-    starts: IntArray
+    mass: NodalMass
     nodes: Array
     weights: Array
     moments: Array
@@ -61,12 +67,9 @@ class NodalForces(Table):
 
 @dataclass(frozen=True, eq=False)
 class NodalSquares(Table):
-    """xᵀ(μ ⊗ I₃)x of four fields (n, 3, 4); indptr, indices, values, starts: see `NodalForces`. sums (p, 4): by part."""
+    """xᵀ(μ ⊗ I₃)x of four fields (n, 3, 4); sums (p, 4): by part."""
 
-    indptr: NDArray[np.int32]
-    indices: NDArray[np.int32]
-    values: Array
-    starts: IntArray
+    mass: NodalMass
     fields: Array
     sums: Array
 
@@ -181,13 +184,14 @@ def _add_sums(weights, moments, u, a, out):  # type: ignore[no-untyped-def]
 @SharedPass
 def inertia_forces(of: NodalForces, part: int, parts: int) -> None:
     """F = μ a: less C g on free nodes' blocks, whole on tied nodes; resultant and moment Φ(c)ᵀF of the free to `wrenches`."""
-    indptr, indices, values, field = of.indptr, of.indices, of.values, of.field
+    mass, field = of.mass, of.field
+    indptr, indices, values = mass.indptr, mass.indices, mass.values
     X, u, nodal, on_tied = of.nodes, of.u.reshape(-1, 3), of.nodal.reshape(-1, 3), of.on_tied
     weights, moments, g = of.weights, of.moments, _rigid_part(of)
     free = X.shape[0] - on_tied.shape[0]
     total = of.wrenches[part]
     total[:] = 0.0
-    for n in range(of.starts[part], of.starts[part + 1]):
+    for n in range(mass.starts[part], mass.starts[part + 1]):
         y = z = four(0.0)  # three of each
         for p in range(np.uint32(indptr[n]), np.uint32(indptr[n + 1])):
             value, place = values[p], 6 * np.int64(np.uint32(indices[p]))
@@ -301,9 +305,10 @@ def _add_wrench(y0, y1, y2, c0, c1, c2, out):  # type: ignore[no-untyped-def]
 @SharedPass
 def nodal_squares(of: NodalSquares, part: int, parts: int) -> None:
     """What the rows of a part add to xᵀ(μ ⊗ I₃)x, into `sums`."""
-    indptr, indices, values, fields = of.indptr, of.indices, of.values, of.fields
+    mass, fields = of.mass, of.fields
+    indptr, indices, values = mass.indptr, mass.indices, mass.values
     total = four(0.0)
-    for n in range(of.starts[part], of.starts[part + 1]):
+    for n in range(mass.starts[part], mass.starts[part + 1]):
         y0 = y1 = y2 = four(0.0)
         for p in range(np.uint32(indptr[n]), np.uint32(indptr[n + 1])):
             value, (x0, x1, x2) = values[p], three_fours(fields, np.uint32(indices[p]))

@@ -19,19 +19,16 @@ class DampingPower:
         self._fields = np.zeros((body.size // 3, 3, WIDTH))
         self._columns = self._fields.reshape(-1, WIDTH)
         self._squares = body.K.squares(self._fields)
-        self._kept = 0
 
-    def keep(self, velocities: Array) -> None:
-        """Of an instant, u̇ (nd,); of four at most before they are found."""
-        self._columns[:, self._kept] = velocities
-        self._kept += 1
+    def keep(self, place: int, velocities: Array) -> None:
+        """Of an instant, u̇ (nd,), in one of four places."""
+        self._columns[:, place] = velocities
 
-    def find(self) -> Array:
-        """Of the instants kept (W), in their order; they are forgotten."""
+    def find(self, count: int) -> Array:
+        """Of the instants in the first `count` places (W)."""
         d, power = self._body.damping, np.zeros(WIDTH)
         if d.stiffness:
             power += d.stiffness * self._squares.find()
         if d.mass:
             power += d.mass * self._body.inertia.squares(self._fields)
-        kept, self._kept = self._kept, 0
-        return power[:kept]
+        return power[:count]

@@ -236,10 +236,10 @@ class Stepper:
             return
         if len(self._unaccounted) == WIDTH:
             self._account()
-        self._unaccounted.append(step)
         for mesh in damped:
             assert mesh.damping
-            mesh.damping.keep(mesh.ud)
+            mesh.damping.keep(len(self._unaccounted), mesh.ud)
+        self._unaccounted.append(step)  # at last: an interrupt before leaves what can be accounted for
 
     def _account(self) -> None:
         """Integrate what damping of the meshes has taken up to the present, by the trapezoidal rule.
@@ -248,7 +248,7 @@ class Stepper:
         """
         if not self._unaccounted:
             return
-        powers = np.sum([mesh.damping.find() for mesh in self.meshes if mesh.damping], axis=0)
+        powers = np.sum([mesh.damping.find(len(self._unaccounted)) for mesh in self.meshes if mesh.damping], axis=0)
         for step, power in zip(self._unaccounted, powers, strict=True):
             self.trial.work[1] += 0.5 * step * (self._power + float(power))
             self._power = float(power)
