@@ -19,6 +19,7 @@ from maggi.model.materials import Damping, Material
 from maggi.model.meshes import BeamMesh, BoxMesh, Section
 from maggi.model.model import Model
 from maggi.model.simulation import Simulation
+from maggi.stepping.damping_power import DampingPower
 from maggi.stepping.stepper import Stepper
 
 STEP, STEPS = 1e-3, 12
@@ -90,6 +91,22 @@ def test_dissipated_energy_does_not_depend_on_how_a_run_is_split(damping: Dampin
     np.testing.assert_array_equal(whole.meshes[0].ud, split.meshes[0].ud)
     assert whole.dissipated() == split.dissipated()
     assert whole.dissipated() > 0.0
+
+
+def test_an_interrupt_while_an_instant_is_kept_leaves_the_balance(monkeypatch: pytest.MonkeyPatch) -> None:
+    clean, stopped = falling_bar(DAMPING[0]), falling_bar(DAMPING[0])
+    for stepper in (clean, stopped):
+        assert stepper.advance(0.0, 2) == 2
+    keep = DampingPower.keep
+
+    def interrupted(power: DampingPower, place: int, velocities: np.ndarray) -> None:
+        keep(power, place, velocities)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(DampingPower, "keep", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        stopped.advance(2 * STEP, 1)
+    assert stopped.dissipated() == clean.dissipated() > 0.0
 
 
 def test_what_a_step_that_failed_has_left_does_not_matter() -> None:
